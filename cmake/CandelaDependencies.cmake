@@ -1,0 +1,23 @@
+# Debian 12 packages only (the `dev` script installs them). Nothing is downloaded and nothing is bundled.
+
+find_package(TBB REQUIRED)
+find_package(glm REQUIRED)
+find_package(OpenEXR REQUIRED)
+find_package(PNG REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3.13 REQUIRED)
+endif()
+find_package(libjpeg-turbo REQUIRED)
+find_path(CANDELA_TINYGLTF_INCLUDE tiny_gltf.h REQUIRED)
+find_path(CANDELA_STB_INCLUDE stb_image.h PATH_SUFFIXES stb REQUIRED)
+find_program(CANDELA_GLSLANG glslangValidator REQUIRED)
+
+# Header-only parsers, SYSTEM so that their warnings stay theirs.
+add_library(candela_tinygltf INTERFACE)
+target_include_directories(candela_tinygltf SYSTEM INTERFACE ${CANDELA_TINYGLTF_INCLUDE})
+add_library(candela_stb INTERFACE)
+target_include_directories(candela_stb SYSTEM INTERFACE ${CANDELA_STB_INCLUDE})

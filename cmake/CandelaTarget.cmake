@@ -1,0 +1,30 @@
+# Every target of the project is compiled with the same options; this file is the only place that knows them.
+
+add_library(candela_options INTERFACE)
+target_compile_features(candela_options INTERFACE cxx_std_20)
+target_compile_options(candela_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wno-psabi)
+if(CANDELA_WERROR)
+  target_compile_options(candela_options INTERFACE -Werror)
+endif()
+# A finite result is asserted everywhere, so NaN must stay NaN: no -ffast-math. Not setting errno only frees sqrt for inlining.
+target_compile_options(candela_options INTERFACE -fno-math-errno -fno-trapping-math)
+if(CANDELA_NATIVE)
+  target_compile_options(candela_options INTERFACE -march=native)
+endif()
+if(CANDELA_SANITIZE)
+  target_compile_options(candela_options INTERFACE -fsanitize=${CANDELA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(candela_options INTERFACE -fsanitize=${CANDELA_SANITIZE})
+endif()
+
+# candela_library(NAME folder SOURCES a.cpp … LINKS public… PRIVATE third-party…)
+# One static library per folder of src/. LINKS are other folders, PRIVATE are third-party targets that must not leak.
+function(candela_library folder)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS;PRIVATE" ${ARGN})
+  add_library(candela_${folder} STATIC ${arg_SOURCES})
+  add_library(candela::${folder} ALIAS candela_${folder})
+  set_target_properties(candela_${folder} PROPERTIES EXPORT_NAME ${folder})
+  target_include_directories(candela_${folder} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/candela>)
+  target_link_libraries(candela_${folder} PUBLIC ${arg_LINKS} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:candela_options>)
+  set_property(GLOBAL APPEND PROPERTY CANDELA_LIBRARIES candela_${folder})
+endfunction()

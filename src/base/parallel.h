@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace candela {
+
+/// Calls `body(begin, end)` for sub-ranges of at most `grain` indices that together cover [begin, end) once.
+/// Exceptions thrown by `body` reach the caller. Order and thread are unspecified: results must not depend on them.
+void parallel_for(std::size_t begin, std::size_t end, std::size_t grain,
+                  const std::function<void(std::size_t, std::size_t)>& body);
+
+/// Limits every parallel_for (and Embree) to `threads` threads while alive; 0 means all the machine has.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+  int threads() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace candela

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "image/film.h"
+
+namespace candela {
+
+enum class ToneCurve { pbr_neutral, agx, aces, reinhard, exponential, linear };
+
+/// Names as on the command line: "pbr-neutral", "agx", "aces", "reinhard", "exponential", "linear". Throws Error.
+ToneCurve parse_tone_curve(std::string_view name);
+std::string_view tone_curve_name(ToneCurve curve);
+
+/// From linear radiance to a picture on a display: exposure, tone curve, sRGB encoding. Happens once, after the film.
+struct DevelopSettings {
+  /// Factor that radiance is multiplied by; empty = metered from the picture by metered_exposure().
+  std::optional<float> exposure;
+  ToneCurve tone_curve = ToneCurve::pbr_neutral;
+  bool dither = true;  ///< ±½ code value of deterministic noise before rounding to 8 bits
+};
+
+/// "auto" → empty; a number → 2^EV (stops); "f/8,1/125,100" → 1 / (1.2 · 2^EV100), radiance taken as cd/m².
+/// Throws Error for anything else.
+std::optional<float> parse_exposure(std::string_view text);
+
+/// 0.18 over the log-average luminance (Reinhard 2002 "Photographic tone reproduction", eq. 1 and 2), weighted by alpha,
+/// black pixels left out, the brightest and darkest 1 % of pixels left out; 1 for an all-black picture.
+float metered_exposure(const Film& film);
+
+/// Encoded sRGB, 8 bits, RGBA (alpha straight, not premultiplied), row 0 at the top.
+struct DisplayImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba;
+};
+DisplayImage develop(const Film& film, const DevelopSettings& settings);
+
+/// PNG keeps alpha when the film is not opaque; its header says sRGB. JPEG is quality 92, 4:4:4, alpha over black.
+void write_png(const std::filesystem::path& path, const DisplayImage& image);
+void write_jpeg(const std::filesystem::path& path, const DisplayImage& image);
+
+/// Writes `film` in the format that the extension names (.png .jpg .jpeg .hdr .exr); .hdr and .exr stay linear.
+void write_film(const std::filesystem::path& path, const Film& film, const DevelopSettings& settings);
+/// Throws Error unless `path` ends in an extension that write_film knows; to be called before hours of rendering.
+void check_output_extension(const std::filesystem::path& path);
+
+}  // namespace candela

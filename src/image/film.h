@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "image/image.h"
+
+namespace candela {
+
+/// What a film can hold beside the picture. All linear, none filtered by exposure or tone curve.
+enum class Layer {
+  albedo,    ///< RGB, directional reflectance of the first hit
+  normal,    ///< XYZ world space shading normal, unit or 0 where nothing was hit
+  depth,     ///< metres along the ray from the camera (not its z), +inf where nothing was hit
+  position,  ///< XYZ world space, metres
+  object_id  ///< 1 + node index of the first hit, 0 = background; of the pixel's centre-most sample, not averaged
+};
+
+/// Names as on the command line and in EXR files: "albedo", "normal", "depth", "position", "id".
+std::string_view layer_name(Layer layer);
+/// Throws Error for an unknown name, listing the known ones.
+Layer parse_layer(std::string_view name);
+
+/// The renderer's result: linear Rec.709 radiance before exposure and tone curve, alpha = coverage, and named layers.
+struct Film {
+  Image beauty;  ///< 4 channels, premultiplied
+  std::map<Layer, Image> layers;
+  std::map<std::string, std::string> metadata;  ///< scene, camera, samples, seed, version: written to the EXR header
+
+  int width() const { return beauty.width; }
+  int height() const { return beauty.height; }
+};
+
+/// Writes 32-bit float EXR, ZIP compressed: R,G,B,A of the beauty, and each layer as `name.R` … (`depth.Z`, `id.Y`).
+/// The alpha channel is left out when every pixel is opaque. Throws Error where the path cannot be written.
+void write_exr(const std::filesystem::path& path, const Film& film);
+
+}  // namespace candela

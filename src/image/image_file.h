@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "image/image.h"
+
+namespace candela {
+
+enum class ImageFormat { unknown, png, jpeg, hdr, exr };
+
+/// From the first bytes, never from a name.
+ImageFormat sniff_image_format(std::span<const std::byte> bytes);
+
+/// Width and height from a PNG or JPEG header alone; throws Error(…, where) when it is neither or is damaged.
+ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where);
+
+/// Decodes PNG or JPEG to RGBA texels. Throws Error(…, where) for other formats, damaged data or sizes above 16384.
+TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where);
+
+/// Reads a linear image: Radiance .hdr, OpenEXR (RGB/RGBA/Y of the first part, or of `layer`), PNG/JPEG (sRGB decoded).
+/// The result has 3 channels, or 4 where the file has alpha; PNG/JPEG alpha is premultiplied on the way in.
+Image read_image(const std::filesystem::path& path, const std::string& layer = {});
+
+/// Radiance RGBE, run-length coded; negative values are clamped to 0. Alpha is dropped.
+void write_hdr(const std::filesystem::path& path, const Image& image);
+
+}  // namespace candela

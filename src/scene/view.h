@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "scene/scene.h"
+
+namespace candela {
+
+/// Thin lens. Camera space: looks along -z, +y up, +x right.
+struct Lens {
+  float radius = 0.0f;          ///< of the aperture, metres; 0 = pinhole, everything sharp
+  float focus_distance = 1.0f;  ///< metres along -z to the plane that is sharp
+  int blades = 0;               ///< corners of the aperture; below 3 it is round
+  float vignetting = 0.0f;      ///< 0 = none, 1 = natural cos⁴ fall-off towards the corners
+};
+
+/// Where the picture is taken from. `projection` is already adapted to the picture's aspect ratio.
+struct View {
+  mat4 world_from_camera{1.0f};
+  std::variant<PerspectiveCamera, OrthographicCamera> projection;
+  Lens lens;
+};
+
+/// Three-quarter view (azimuth 35°, elevation 20° unless given, degrees) of the whole box with a margin of about 8 %, for the
+/// picture's aspect ratio. `distance_scale` 1 fits; 0.5 is twice as close. Azimuth 0 looks along -z (sees +z sides),
+/// positive azimuth moves the camera towards +x.
+struct Orbit {
+  float azimuth = 0.610865f;    ///< radians
+  float elevation = 0.349066f;  ///< radians, up
+  float distance_scale = 1.0f;
+};
+View frame_box(const Box3& box, float aspect, float yfov, const Orbit& orbit = {});
+
+/// Camera at `eye` looking at `target`; +y is up unless looking along it.
+View look_at(vec3 eye, vec3 target, float yfov);
+
+/// The file's camera by index or by name (of the camera or its node). Throws Error naming what exists.
+View scene_camera(const Scene& scene, const std::string& index_or_name, float aspect);
+
+/// Aperture radius in metres from an f-number, the field of view and a 24 mm high sensor.
+float aperture_radius(float f_number, float yfov);
+
+}  // namespace candela
