@@ -91,6 +91,8 @@ struct OrthographicCamera {
 struct Camera {
   std::string name;
   std::variant<PerspectiveCamera, OrthographicCamera> projection;
+  float f_number = 0.0f;        ///< of a 24 mm high sensor, perspective only; 0 = pinhole. glTF files leave it 0
+  float focus_distance = 0.0f;  ///< metres along -z; 0 = the middle of the scene
 };
 
 enum class LightType { point, spot, directional };
