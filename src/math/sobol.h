@@ -54,8 +54,8 @@ class SobolSampler {
 
   float next_1d() {
     const std::uint32_t s = advance();
-    // Shuffling and scrambling compose to one more Owen scramble of the van der Corput sequence.
-    return unit_float(reverse_bits(laine_karras(reverse_bits(reverse_bits(laine_karras(index_reversed_, s))), hash(s))));
+    const std::uint32_t i = reverse_bits(laine_karras(index_reversed_, s));
+    return unit_float(reverse_bits(laine_karras(i, hash(s))));
   }
 
   vec3 next_3d() {
