@@ -1,1 +1,86 @@
-int main() { return 0; }
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include "base/error.h"
+#include "candela/candela.h"
+#include "cli/values.h"
+#include "cli/verbs.h"
+
+namespace candela::cli {
+
+void print(const std::string& text) {
+  // write(2) rather than a stream: the error is known here, not when the process ends.
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const ssize_t count = ::write(STDOUT_FILENO, rest.data(), rest.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw Error(std::string("cannot write: ") + std::strerror(errno), "standard output");
+    rest.remove_prefix(static_cast<std::size_t>(count));
+  }
+}
+
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+int fail(int code, const std::string& message, const std::string& hint = {}) {
+  std::cerr << "candela: " << one_line(message) << '\n' << hint;
+  return code;
+}
+
+std::string usage_hint(int argc, char** argv) {
+  const std::string_view verb = argc > 1 ? argv[1] : "";
+  const bool known = verb == "render" || verb == "info";
+  return std::string("Try 'candela ") + (known ? std::string(verb) + " " : "") + "--help'.\n";
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Candela: physically based pictures of glTF scenes"};
+  app.name("candela");
+  app.set_version_flag("--version", std::string("candela ") + version());
+  app.require_subcommand(0, 1);
+  app.footer("`candela VERB --help` tells more, with examples.");
+  app.get_formatter()->column_width(38);
+  const Verb render = add_render(app);
+  const Verb info = add_info(app);
+
+  try {
+    app.parse(argc, argv);
+    if (app.got_subcommand("render")) return render(), kDone;
+    if (app.got_subcommand("info")) return info(), kDone;
+    throw UsageError("no verb given: render or info");
+  } catch (const CLI::CallForHelp&) {
+    print(app.help());
+    return kDone;
+  } catch (const CLI::CallForVersion& call) {
+    print(std::string(call.what()) + "\n");
+    return kDone;
+  } catch (const CLI::ParseError& error) {
+    return fail(kWrongUsage, error.what(), usage_hint(argc, argv));
+  } catch (const UsageError& error) {
+    return fail(kWrongUsage, error.what(), usage_hint(argc, argv));
+  }
+}
+
+}  // namespace
+
+}  // namespace candela::cli
+
+int main(int argc, char** argv) {
+  using namespace candela::cli;
+  try {
+    return run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return fail(kFailed, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(kFailed, error.what());
+  }
+}

@@ -25,7 +25,16 @@ Scene load(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr);
 /// The view a user would expect without saying more: the file's first camera, else the whole subject in three-quarter view.
 View default_view(const Scene& scene, float aspect);
 
-/// Renders with the scene's own wish for light (else "studio") and default_view.
+/// What the subject is framed by: world_bounds(), or a two metre cube about the origin when nothing has a mesh.
+Box3 subject_bounds(const Scene& scene);
+
+/// The light a scene wishes for, else "studio". A name for make_environment().
+std::string default_environment(const Scene& scene);
+
+/// The exposure a scene wishes for, else metered from the picture.
+DevelopSettings default_develop(const Scene& scene);
+
+/// Renders with default_environment and default_view.
 Film render(const Scene& scene, const path::Settings& settings = {});
 using path::render;
 

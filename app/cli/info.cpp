@@ -1,0 +1,202 @@
+#include "cli/info.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/diagnostics.h"
+#include "candela/candela.h"
+#include "cli/values.h"
+#include "cli/verbs.h"
+
+namespace candela::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kNameColumn = 14;
+constexpr std::size_t kMostItems = 20;  // of textures and the like; --json lists all
+
+struct Counts {
+  std::size_t primitives = 0;
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;         ///< stored once per mesh
+  std::size_t placed_triangles = 0;  ///< as often as nodes show them
+  std::size_t placed_meshes = 0;
+};
+
+Counts count(const Scene& scene) {
+  Counts total;
+  std::vector<std::size_t> of_mesh;
+  for (const Mesh& mesh : scene.meshes) {
+    std::size_t triangles = 0;
+    for (const Primitive& primitive : mesh.primitives) {
+      triangles += primitive.triangles.size();
+      total.vertices += primitive.positions.size();
+      ++total.primitives;
+    }
+    of_mesh.push_back(triangles);
+    total.triangles += triangles;
+  }
+  for (const Node& node : scene.nodes) {
+    if (node.mesh < 0) continue;
+    total.placed_triangles += of_mesh[static_cast<std::size_t>(node.mesh)];
+    ++total.placed_meshes;
+  }
+  return total;
+}
+
+std::size_t memory_of(const TextureImage& image) {
+  return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4 *
+         static_cast<std::size_t>(image.bits) / 8;
+}
+
+std::string light_type(LightType type) {
+  switch (type) {
+    case LightType::point:
+      return "point";
+    case LightType::spot:
+      return "spot";
+    case LightType::directional:
+      return "directional";
+  }
+  return {};
+}
+
+std::string or_unnamed(const std::string& name) { return name.empty() ? "(no name)" : name; }
+
+Json vec3_json(vec3 v) { return {v.x, v.y, v.z}; }
+std::string vec3_text(vec3 v) { return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z); }
+
+/// A heading with its number, and one line for each of the first few.
+void list(Table& table, const std::string& name, const std::vector<std::string>& items) {
+  table.row(name, fmt::format("{}", items.size()));
+  for (std::size_t i = 0; i < std::min(items.size(), kMostItems); ++i) table.item(fmt::format("{} {}", i, items[i]));
+  if (items.size() > kMostItems) table.item(fmt::format("and {} more (--json lists all)", items.size() - kMostItems));
+}
+
+void describe_images(const Scene& scene, Json& json, Table& table) {
+  json["images"] = Json::array();
+  std::vector<std::string> lines;
+  std::size_t bytes = 0;
+  for (const auto& image : scene.images) {
+    json["images"].push_back({{"width", image->width},
+                              {"height", image->height},
+                              {"bits", image->bits},
+                              {"alpha", image->has_alpha},
+                              {"bytes", memory_of(*image)}});
+    lines.push_back(
+        fmt::format("{} x {}, {} bits, {}", image->width, image->height, image->bits, bytes_text(memory_of(*image))));
+    bytes += memory_of(*image);
+  }
+  json["texture_bytes"] = bytes;
+  list(table, "images", lines);
+  if (!scene.images.empty()) table.row("texture memory", bytes_text(bytes));
+}
+
+void describe_cameras_and_lights(const Scene& scene, Json& json, Table& table) {
+  json["cameras"] = Json::array();
+  std::vector<std::string> lines;
+  for (const Camera& camera : scene.cameras) {
+    const auto* perspective = std::get_if<PerspectiveCamera>(&camera.projection);
+    json["cameras"].push_back(
+        {{"name", camera.name}, {"type", perspective != nullptr ? "perspective" : "orthographic"}});
+    lines.push_back(or_unnamed(camera.name) + (perspective != nullptr
+                                                   ? fmt::format(", {:.4g} degrees", degrees(perspective->yfov))
+                                                   : ", orthographic"));
+  }
+  list(table, "cameras", lines);
+
+  json["lights"] = Json::array();
+  lines.clear();
+  for (const Light& light : scene.lights) {
+    json["lights"].push_back({{"name", light.name}, {"type", light_type(light.type)}, {"intensity", light.intensity}});
+    lines.push_back(fmt::format("{}, {}, {:.4g} {}", or_unnamed(light.name), light_type(light.type), light.intensity,
+                                light.type == LightType::directional ? "lux" : "cd"));
+  }
+  list(table, "lights", lines);
+}
+
+}  // namespace
+
+void Table::row(const std::string& name, const std::string& value) {
+  text_ += fmt::format("{:<{}} {}\n", one_line(name), kNameColumn, one_line(value));
+}
+void Table::item(const std::string& value) { row("", value); }
+
+std::string bytes_text(std::size_t bytes) {
+  const auto size = static_cast<double>(bytes);
+  if (bytes < 1024) return fmt::format("{} B", bytes);
+  if (bytes < 1024 * 1024) return fmt::format("{:.1f} KiB", size / 1024.0);
+  return fmt::format("{:.1f} MiB", size / (1024.0 * 1024.0));
+}
+
+Report scene_report(const std::string& name) {
+  Diagnostics diagnostics;
+  const Scene scene = load(name, &diagnostics);
+  const Counts counts = count(scene);
+
+  Json json{{"file", name},
+            {"kind", "scene"},
+            {"name", scene.name},
+            {"nodes", scene.nodes.size()},
+            {"meshes", scene.meshes.size()},
+            {"primitives", counts.primitives},
+            {"vertices", counts.vertices},
+            {"triangles", counts.triangles},
+            {"instances", counts.placed_meshes},
+            {"instanced_triangles", counts.placed_triangles},
+            {"materials", Json::array()},
+            {"textures", scene.textures.size()}};
+  Table table;
+  table.row("scene", name);
+  if (!scene.name.empty()) table.row("name", scene.name);
+  table.row("nodes", fmt::format("{}, {} with a mesh", scene.nodes.size(), counts.placed_meshes));
+  table.row("meshes", fmt::format("{} of {} primitives", scene.meshes.size(), counts.primitives));
+  table.row("triangles",
+            fmt::format("{}, {} as placed; {} vertices", counts.triangles, counts.placed_triangles, counts.vertices));
+  std::vector<std::string> names;
+  for (const Material& material : scene.materials) {
+    json["materials"].push_back(material.name);
+    names.push_back(or_unnamed(material.name));
+  }
+  list(table, "materials", names);
+  describe_images(scene, json, table);
+  describe_cameras_and_lights(scene, json, table);
+
+  const Box3 bounds = world_bounds(scene);
+  json["bounds"] = nullptr;
+  if (!bounds.empty()) {
+    json["bounds"] = {{"lower", vec3_json(bounds.lower)}, {"upper", vec3_json(bounds.upper)}};
+    table.row("bounds", vec3_text(bounds.lower) + " to " + vec3_text(bounds.upper) + " m");
+  }
+  json["warnings"] = Json::array();
+  for (const Diagnostic& warning : diagnostics.warnings()) {
+    json["warnings"].push_back(warning.text());
+    table.row("warning", warning.text());
+  }
+  return {table.text(), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"};
+}
+
+Verb add_info(CLI::App& app) {
+  struct Options {
+    std::string file;
+    bool json = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("info", "Say what a scene or an image file holds");
+  verb->add_option("FILE", options->file, "A .glb or .gltf, a demo:NAME, or an .exr, .hdr, .png or .jpg image")
+      ->required()
+      ->type_name("");
+  verb->add_flag("--json", options->json, "For a machine: one JSON object");
+  verb->footer("Examples:\n  candela info helmet.glb\n  candela info picture.exr --json");
+  return [options] {
+    const Report report = is_image_file(options->file) ? image_report(options->file) : scene_report(options->file);
+    print(options->json ? report.json : report.text);
+  };
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,123 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "cli/exr_header.h"
+#include "cli/info.h"
+#include "cli/values.h"
+#include "image/image_file.h"
+
+namespace candela::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+ImageFormat format_of(const fs::path& path) {
+  std::array<char, 16> head{};
+  std::error_code code;
+  if (!fs::is_regular_file(path, code)) return ImageFormat::unknown;
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(head.data(), head.size());
+  return sniff_image_format(std::as_bytes(std::span(head.data(), static_cast<std::size_t>(stream.gcount()))));
+}
+
+std::string format_name(ImageFormat format) {
+  switch (format) {
+    case ImageFormat::png:
+      return "PNG";
+    case ImageFormat::jpeg:
+      return "JPEG";
+    case ImageFormat::hdr:
+      return "Radiance HDR";
+    case ImageFormat::exr:
+      return "OpenEXR";
+    case ImageFormat::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+struct Luminance {
+  float least = kInfinity;
+  float most = -kInfinity;
+  double sum = 0.0;
+  std::size_t count = 0;
+  std::size_t non_finite = 0;
+
+  double mean() const { return count > 0 ? sum / static_cast<double>(count) : 0.0; }
+};
+
+Luminance measure(const Image& image) {
+  Luminance result;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float value = luminance(image.rgb(x, y));
+      if (!std::isfinite(value)) {
+        ++result.non_finite;
+        continue;
+      }
+      result.least = std::min(result.least, value);
+      result.most = std::max(result.most, value);
+      result.sum += static_cast<double>(value);
+      ++result.count;
+    }
+  }
+  return result;
+}
+
+/// "albedo" of "albedo.R"; channels without a dot are the picture itself.
+std::set<std::string> layer_names(const std::vector<std::string>& channels) {
+  std::set<std::string> layers;
+  for (const std::string& channel : channels) {
+    const std::size_t dot = channel.rfind('.');
+    if (dot != std::string::npos) layers.insert(channel.substr(0, dot));
+  }
+  return layers;
+}
+
+}  // namespace
+
+bool is_image_file(const fs::path& path) { return format_of(path) != ImageFormat::unknown; }
+
+Report image_report(const fs::path& path) {
+  const ImageFormat format = format_of(path);
+  const Image image = read_image(path);
+  const Luminance light = measure(image);
+  ExrHeader header;
+  if (format == ImageFormat::exr) header = read_exr_header(read_file(path), path.string());
+
+  nlohmann::ordered_json json{{"file", path.string()},         {"kind", "image"},
+                              {"format", format_name(format)}, {"width", image.width},
+                              {"height", image.height},        {"channels", image.channels},
+                              {"luminance", nullptr},          {"non_finite_pixels", light.non_finite}};
+  Table table;
+  table.row("file", path.string());
+  table.row("format", format_name(format));
+  table.row("size", fmt::format("{} x {}", image.width, image.height));
+  table.row("channels", format == ImageFormat::exr ? fmt::format("{}", fmt::join(header.channels, " "))
+                                                   : fmt::format("{}", image.channels));
+  if (light.count > 0) {
+    json["luminance"] = {{"min", light.least}, {"max", light.most}, {"mean", light.mean()}};
+    table.row("luminance", fmt::format("min {:.6g}, max {:.6g}, mean {:.6g}", light.least, light.most, light.mean()));
+  }
+  if (light.non_finite > 0) table.row("not finite", fmt::format("{} pixels", light.non_finite));
+  if (format == ImageFormat::exr) {
+    const auto layers = layer_names(header.channels);
+    json["exr_channels"] = header.channels;
+    json["layers"] = layers;
+    json["metadata"] = header.metadata;
+    if (!layers.empty()) table.row("layers", fmt::format("{}", fmt::join(layers, " ")));
+    for (const auto& [name, value] : header.metadata) table.row(name, value);
+  }
+  return {table.text(), json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"};
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "image/develop.h"
+#include "image/film.h"
+
+namespace candela::cli {
+
+/// True for the formats that keep linear radiance: .exr and .hdr.
+bool is_linear_format(const std::filesystem::path& path);
+bool has_extension(const std::filesystem::path& path, std::string_view extension);  ///< ignores case
+
+/// Throws Error unless a file can appear at `path`: its folder exists and may be written, and nothing but a regular
+/// file is there already.
+void check_writable(const std::filesystem::path& path);
+
+/// Writes `film` to each path, each file whole or not at all.
+void write_outputs(const std::vector<std::filesystem::path>& paths, const Film& film, const DevelopSettings& develop);
+
+}  // namespace candela::cli

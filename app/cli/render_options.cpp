@@ -1,0 +1,231 @@
+#include "cli/render_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <limits>
+#include <set>
+
+#include "base/error.h"
+#include "cli/output.h"
+#include "cli/values.h"
+#include "io/demo.h"
+
+namespace candela::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// An option with one value. `parse` turns its text into `into`; what it throws names the option.
+template <class T, class Parse>
+CLI::Option* add_value(CLI::App* verb, const std::string& name, const std::string& type, T& into, Parse parse,
+                       const std::string& help) {
+  const auto store = [name, &into, parse](const std::string& text) {
+    try {
+      into = parse(text);
+    } catch (const UsageError& error) {
+      throw UsageError(name + ": " + error.what());
+    } catch (const Error& error) {
+      throw UsageError(name + ": " + error.what());
+    }
+  };
+  return verb->add_option_function<std::string>(name, store, help)->type_name(type);
+}
+
+auto number_within(float low, float high) {
+  return [low, high](const std::string& text) { return parse_number(text, low, high); };
+}
+
+auto count_within(int low, int high) {
+  return [low, high](const std::string& text) { return parse_count(text, low, high); };
+}
+
+constexpr float kTiny = std::numeric_limits<float>::min();  // the smallest bound that excludes zero
+constexpr float kHuge = 1e30f;                              // far from where squares overflow a float
+constexpr int kMostSamples = 1 << 20;
+constexpr int kOpenEndedSamples = 1 << 16;  // where --time or --noise is meant to stop first
+
+void add_picture(CLI::App* verb, RenderOptions& o) {
+  const std::string group = "Picture";
+  verb->add_option("-o,--output", o.outputs,
+                   "File to write, as often as wanted; .exr and .hdr stay linear [SCENE's name .png]")
+      ->type_name("FILE.{png,jpg,exr,hdr}")
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->group(group);
+  add_value(verb, "--size", "WxH", o.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]")->group(group);
+  add_value(verb, "--exposure", "auto|EV|f/N,1/T,ISO", o.exposure, parse_exposure,
+            "Metered, in stops, or as on a camera [the scene's wish, else auto]")
+      ->group(group);
+  add_value(verb, "--tonemap", "CURVE", o.tone_curve, parse_tone_curve,
+            "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")
+      ->group(group);
+  add_value(verb, "--background", "env|transparent|COLOUR", o.settings.background, parse_background,
+            "Behind everything: #rrggbb (sRGB), r,g,b (linear), black, grey or white [env]")
+      ->group(group);
+  add_value(verb, "--aov", "LIST", o.settings.layers, parse_layers,
+            "Layers beside the picture in the .exr: albedo,normal,depth,position,id")
+      ->group(group);
+}
+
+void add_sampling(CLI::App* verb, RenderOptions& o) {
+  const std::string group = "Sampling";
+  add_value(verb, "--spp", "N", o.samples, count_within(1, kMostSamples),
+            "Samples per pixel, powers of two are best balanced [128; 65536 with --time or --noise]")
+      ->group(group);
+  add_value(verb, "--time", "30s", o.settings.time_limit_s, parse_duration,
+            "Stop after about this long: 500ms, 30s, 5min, 1.5h")
+      ->group(group);
+  add_value(verb, "--noise", "X", o.settings.noise, number_within(1e-6f, 1.0f),
+            "Stop each pixel when its relative error is estimated below X, e.g. 0.01")
+      ->group(group);
+  add_value(verb, "--bounces", "N", o.settings.bounces, count_within(0, 1024),
+            "Scattering events along a path; 1 is direct light only [8]")
+      ->group(group);
+  add_value(verb, "--seed", "N", o.settings.seed, count_within(0, std::numeric_limits<int>::max()),
+            "Another seed is another noise pattern [0]")
+      ->group(group);
+  add_value(verb, "--filter", "NAME", o.settings.filter, parse_filter, "box, gaussian or blackman-harris [box]")
+      ->group(group);
+  add_value(verb, "--integrator", "NAME", o.settings.integrator, parse_integrator,
+            "full, or minimal: same mean from the material's sampling alone, for comparison [full]")
+      ->group(group);
+}
+
+void add_camera(CLI::App* verb, RenderOptions& o) {
+  const std::string group = "Camera";
+  const auto text = [](const std::string& value) { return value; };
+  CLI::Option* camera = add_value(verb, "--camera", "INDEX|NAME", o.camera, text,
+                                  "One of the file's cameras [the first, else the whole subject]");
+  CLI::Option* orbit = add_value(verb, "--orbit", "AZ,EL[,DIST]", o.orbit, parse_orbit,
+                                 "Degrees around and above the subject; DIST 1 fits it, 0.5 is twice as close");
+  CLI::Option* eye = add_value(verb, "--eye", "X,Y,Z", o.eye, parse_vec3, "Where the camera is, metres");
+  CLI::Option* target =
+      add_value(verb, "--target", "X,Y,Z", o.target, parse_vec3, "What --eye looks at [the subject's centre]");
+  CLI::Option* fov = add_value(
+      verb, "--fov", "45deg", o.fov, [](const std::string& value) { return parse_field_of_view(value); },
+      "Vertical field of view, also as 0.8rad [the camera's own, else 45deg]");
+  CLI::Option* f_number = add_value(verb, "--f-number", "F", o.f_number, number_within(0.01f, 1000.0f),
+                                    "Aperture of a lens on a 24 mm high sensor [everything is sharp]");
+  CLI::Option* focus = add_value(verb, "--focus-distance", "M|auto", o.focus_distance, parse_focus,
+                                 "What is sharp with --f-number, metres [auto: --target or the subject's centre]");
+  CLI::Option* blades = add_value(verb, "--blades", "N", o.blades, count_within(0, 64),
+                                  "Corners of the aperture with --f-number, below 3 it is round [0]");
+  CLI::Option* vignetting = add_value(verb, "--vignetting", "X", o.vignetting, number_within(0.0f, 1.0f),
+                                      "Fall-off to the corners: 0 none, 1 natural [0]");
+  camera->excludes(orbit)->excludes(eye);
+  orbit->excludes(eye);
+  target->needs(eye);
+  for (CLI::Option* option : {camera, orbit, eye, target, fov, f_number, focus, blades, vignetting}) {
+    option->group(group);
+  }
+}
+
+void add_light(CLI::App* verb, RenderOptions& o) {
+  const std::string group = "Light";
+  const auto text = [](const std::string& value) { return value; };
+  const auto degrees_within = [](float low, float high) {
+    return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
+  };
+  add_value(
+      verb, "--env", "FILE|NAME", o.environment, text,
+      "Equirectangular .exr or .hdr, or studio, sky, sky:ELEVATION, furnace, none [the scene's wish, else studio]")
+      ->group(group);
+  add_value(verb, "--sun-elevation", "DEG", o.sun_elevation, number_within(-90.0f, 90.0f),
+            "Height of the sun: short for --env sky:DEG")
+      ->group(group);
+  add_value(verb, "--env-rotation", "DEG", o.environment_rotation, degrees_within(-36000.0f, 36000.0f),
+            "Turns the environment about +y [0]")
+      ->group(group);
+  add_value(verb, "--env-intensity", "X", o.environment_intensity, number_within(0.0f, kHuge),
+            "Multiplies the environment [1]")
+      ->group(group);
+}
+
+void add_running(CLI::App* verb, RenderOptions& o) {
+  const std::string group = "Running";
+  add_value(verb, "--threads", "N", o.threads, count_within(0, 1024), "0 is all; the picture does not depend on it [0]")
+      ->group(group);
+  add_value(verb, "--engine", "path", o.engine, parse_engine, "The renderer: path, a path tracer [path]")->group(group);
+  add_value(
+      verb, "--stats", "FILE.json", o.stats, [](const std::string& value) { return fs::path(value); },
+      "Times, rays, memory and warnings as JSON; - is standard output")
+      ->group(group);
+  verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group(group);
+  verb->add_flag("--strict", o.strict, "Warnings are errors")->group(group);
+}
+
+std::string footer() {
+  std::string text = "Built-in scenes:\n";
+  for (const io::DemoInfo& demo : io::demos())
+    text += fmt::format("  {:<16} {}\n", "demo:" + demo.name, demo.description);
+  return text + R"(
+Examples:
+  candela render demo:materials -o materials.png
+  candela render helmet.glb -o helmet.png -o helmet.exr --env sky --aov albedo,normal,depth
+  candela render helmet.glb -o close.png --orbit -30,15,0.6 --fov 30deg --f-number 4 --noise 0.01
+  candela render helmet.glb -o logo.png --background transparent --exposure 1.5 --tonemap agx
+  candela render city.gltf -o city.jpg --size 3840x2160 --time 10min --stats city.json
+
+A long render refreshes its output files every few seconds. Ctrl-C stops early and keeps the picture with the samples
+it has (exit code 0); a second Ctrl-C ends at once.
+Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage.)";
+}
+
+void check_outputs(RenderOptions& o) {
+  if (o.outputs.empty()) {
+    const std::string name = o.scene.starts_with("demo:") ? o.scene.substr(5) : fs::path(o.scene).stem().string();
+    o.outputs.push_back(name + ".png");
+  }
+  std::set<std::string> seen;
+  bool any_exr = false;
+  for (const std::string& output : o.outputs) {
+    try {
+      check_output_extension(output);
+    } catch (const Error& error) {
+      throw UsageError(std::string("--output: ") + error.what());
+    }
+    if (!seen.insert(fs::path(output).lexically_normal().string()).second) {
+      throw UsageError("--output: " + output + " is given twice");
+    }
+    any_exr |= has_extension(output, ".exr");
+  }
+  if (o.stats && seen.contains(o.stats->lexically_normal().string())) {
+    throw UsageError("--stats: " + o.stats->string() + " is a picture's name");
+  }
+  if (!o.settings.layers.empty() && !any_exr) throw UsageError("--aov: only an .exr holds layers; add -o FILE.exr");
+}
+
+}  // namespace
+
+CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
+  CLI::App* verb = app.add_subcommand("render", "Render a glTF scene to a picture");
+  verb->add_option("SCENE", options.scene, "A .glb or .gltf file, or a built-in demo:NAME")->required()->type_name("");
+  add_picture(verb, options);
+  add_sampling(verb, options);
+  add_camera(verb, options);
+  add_light(verb, options);
+  add_running(verb, options);
+  verb->footer(footer);
+  return verb;
+}
+
+void finish_options(const CLI::App& verb, RenderOptions& o) {
+  constexpr int kDefaultSamples = 128;
+  const bool open_ended = o.settings.time_limit_s || o.settings.noise;
+  o.settings.samples = o.samples.value_or(open_ended ? kOpenEndedSamples : kDefaultSamples);
+  o.settings.width = o.size.x;
+  o.settings.height = o.size.y;
+  o.develop_given = verb.count("--exposure") + verb.count("--tonemap") > 0;
+  o.focus_given = verb.count("--focus-distance") > 0;
+
+  if (o.sun_elevation) {
+    if (o.environment.value_or("sky") != "sky") throw UsageError("--sun-elevation: only for --env sky");
+    o.environment = fmt::format("sky:{}", *o.sun_elevation);
+  }
+  check_outputs(o);
+}
+
+}  // namespace candela::cli

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "image/develop.h"
+#include "path/render.h"
+#include "scene/view.h"
+
+namespace candela::cli {
+
+/// Everything `candela render` was asked for. Empty optionals mean "as the scene wishes".
+struct RenderOptions {
+  std::string scene;
+  std::vector<std::string> outputs;
+  ivec2 size{1280, 720};
+  std::optional<int> samples;
+  path::Settings settings;
+  std::string engine = "path";
+  int threads = 0;
+
+  std::optional<std::string> camera;
+  std::optional<Orbit> orbit;
+  std::optional<vec3> eye;
+  std::optional<vec3> target;
+  std::optional<float> fov;
+  std::optional<float> f_number;
+  std::optional<float> focus_distance;
+  bool focus_given = false;
+  int blades = 0;
+  float vignetting = 0.0f;
+
+  std::optional<std::string> environment;
+  std::optional<float> sun_elevation;  ///< degrees
+  float environment_rotation = 0.0f;
+  float environment_intensity = 1.0f;
+
+  std::optional<std::optional<float>> exposure;  ///< given, and then empty for "auto"
+  ToneCurve tone_curve = ToneCurve::pbr_neutral;
+  bool develop_given = false;  ///< --exposure or --tonemap
+
+  std::optional<std::filesystem::path> stats;  ///< "-" is standard output
+  bool quiet = false;
+  bool strict = false;
+};
+
+/// Adds `render` with its options to `app`. They fill `options`, which must outlive the parsing.
+CLI::App* add_render_options(CLI::App& app, RenderOptions& options);
+
+/// Fills what follows from several options together and refuses combinations that make no sense (UsageError).
+void finish_options(const CLI::App& verb, RenderOptions& options);
+
+}  // namespace candela::cli

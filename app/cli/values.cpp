@@ -1,0 +1,206 @@
+#include "cli/values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace candela::cli {
+
+namespace {
+
+/// The number `text` begins with, and what follows it.
+std::pair<double, std::string_view> leading_number(std::string_view text) {
+  double value = 0.0;
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc{} || !std::isfinite(value)) throw UsageError(fmt::format("'{}' is not a number", text));
+  return {value, text.substr(static_cast<std::size_t>(end - text.data()))};
+}
+
+double whole_number(std::string_view text) {
+  const auto [value, rest] = leading_number(text);
+  if (!rest.empty()) throw UsageError(fmt::format("'{}' is not a number", text));
+  return value;
+}
+
+/// As float; a value that only a double can hold is refused rather than turned into infinity or zero.
+float narrow(double value, std::string_view text) {
+  const auto result = static_cast<float>(value);
+  if (!std::isfinite(result)) throw UsageError(fmt::format("'{}' is too large", text));
+  return result;
+}
+
+std::vector<float> number_list(std::string_view text) {
+  std::vector<float> values;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string_view part = text.substr(begin, end - begin);
+    values.push_back(narrow(whole_number(part), part));
+    begin = end + 1;
+  }
+  return values;
+}
+
+template <class T, std::size_t n>
+T one_of(const std::string& text, const std::array<std::pair<std::string_view, T>, n>& choices) {
+  std::string known;
+  for (const auto& [name, value] : choices) {
+    if (text == name) return value;
+    known += known.empty() ? "" : ", ";
+    known += name;
+  }
+  throw UsageError(fmt::format("'{}' is none of {}", text, known));
+}
+
+/// IEC 61966-2-1.
+float srgb_to_linear(float encoded) {
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
+}  // namespace
+
+float parse_number(const std::string& text, float low, float high) {
+  const float value = narrow(whole_number(text), text);
+  if (value < low || value > high) throw UsageError(fmt::format("{} is not within {} to {}", text, low, high));
+  return value;
+}
+
+int parse_count(const std::string& text, int low, int high) {
+  int value = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = end == text.data() + text.size();
+  if (!whole || code == std::errc::invalid_argument) throw UsageError(fmt::format("'{}' is not a whole number", text));
+  if (code != std::errc{} || value < low || value > high) {
+    throw UsageError(fmt::format("{} is not within {} to {}", text, low, high));
+  }
+  return value;
+}
+
+ivec2 parse_size(const std::string& text) {
+  constexpr int kMostPixels = 16384;  // per side, as for textures
+  const std::size_t cross = text.find('x');
+  if (cross == std::string::npos) throw UsageError(fmt::format("'{}' is not WIDTHxHEIGHT, e.g. 1280x720", text));
+  return {parse_count(text.substr(0, cross), 1, kMostPixels), parse_count(text.substr(cross + 1), 1, kMostPixels)};
+}
+
+double parse_duration(const std::string& text) {
+  constexpr std::array<std::pair<std::string_view, double>, 6> kUnits{
+      {{"", 1.0}, {"ms", 1e-3}, {"s", 1.0}, {"m", 60.0}, {"min", 60.0}, {"h", 3600.0}}};
+  const auto [value, unit] = leading_number(text);
+  const double seconds = value * one_of(std::string(unit), kUnits);
+  constexpr double kLongest = 365.0 * 24.0 * 3600.0;
+  if (seconds <= 0.0 || seconds > kLongest) throw UsageError(fmt::format("'{}' is not a time above zero", text));
+  return seconds;
+}
+
+float parse_angle(const std::string& text) {
+  constexpr std::array<std::pair<std::string_view, double>, 3> kUnits{
+      {{"", 180.0 / kPi}, {"deg", 180.0 / kPi}, {"rad", 1.0}}};
+  const auto [value, unit] = leading_number(text);
+  return narrow(value / one_of(std::string(unit), kUnits), text);
+}
+
+float parse_field_of_view(const std::string& text) {
+  const float angle = parse_angle(text);
+  constexpr float kLeast = radians(0.01f);  // a telescope; below, directions lose their precision
+  constexpr float kMost = radians(179.0f);
+  if (angle < kLeast || angle > kMost) throw UsageError(fmt::format("'{}' is not within 0.01deg to 179deg", text));
+  return angle;
+}
+
+vec3 parse_vec3(const std::string& text) {
+  const std::vector<float> v = number_list(text);
+  if (v.size() != 3) throw UsageError(fmt::format("'{}' is not three numbers X,Y,Z", text));
+  return {v[0], v[1], v[2]};
+}
+
+vec3 parse_color(const std::string& text) {
+  if (text == "black") return vec3(0.0f);
+  if (text == "white") return vec3(1.0f);
+  if (text == "grey" || text == "gray") return vec3(0.18f);  // a photographer's grey card
+  if (text.starts_with('#')) {
+    unsigned rgb = 0;
+    const char* end = text.data() + text.size();
+    if (text.size() != 7 || std::from_chars(text.data() + 1, end, rgb, 16).ptr != end) {
+      throw UsageError(fmt::format("'{}' is not a colour #rrggbb", text));
+    }
+    const auto channel = [&](unsigned shift) {
+      return srgb_to_linear(static_cast<float>((rgb >> shift) & 0xffu) / 255.0f);
+    };
+    return {channel(16), channel(8), channel(0)};
+  }
+  if (text.find(',') == std::string::npos) {
+    throw UsageError(fmt::format("'{}' is no colour: give #rrggbb, r,g,b, black, grey or white", text));
+  }
+  const vec3 color = parse_vec3(text);
+  if (color.x < 0.0f || color.y < 0.0f || color.z < 0.0f) throw UsageError(fmt::format("'{}' is negative", text));
+  return color;
+}
+
+Orbit parse_orbit(const std::string& text) {
+  const std::vector<float> v = number_list(text);
+  if (v.size() != 2 && v.size() != 3) {
+    throw UsageError(fmt::format("'{}' is not AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE", text));
+  }
+  if (std::abs(v[1]) > 90.0f) throw UsageError(fmt::format("an elevation of {} is not within -90 to 90", v[1]));
+  if (v.size() == 3 && v[2] <= 0.0f) throw UsageError("the distance is not above zero (1 fits the subject)");
+  return {radians(v[0]), radians(v[1]), v.size() == 3 ? v[2] : 1.0f};
+}
+
+std::set<Layer> parse_layers(const std::string& text) {
+  std::set<Layer> layers;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    layers.insert(parse_layer(std::string_view(text).substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return layers;
+}
+
+path::PixelFilter parse_filter(const std::string& text) {
+  using enum path::PixelFilter;
+  return one_of(text, std::array<std::pair<std::string_view, path::PixelFilter>, 3>{
+                          {{"box", box}, {"gaussian", gaussian}, {"blackman-harris", blackman_harris}}});
+}
+
+path::Integrator parse_integrator(const std::string& text) {
+  using enum path::Integrator;
+  return one_of(text,
+                std::array<std::pair<std::string_view, path::Integrator>, 2>{{{"full", full}, {"minimal", minimal}}});
+}
+
+std::string parse_engine(const std::string& text) {
+  if (text == "raster") throw UsageError("'raster' is not part of this version; the engine is 'path'");
+  return one_of(text, std::array<std::pair<std::string_view, std::string>, 1>{{{"path", "path"}}});
+}
+
+path::Background parse_background(const std::string& text) {
+  using Kind = path::Background::Kind;
+  if (text == "env") return {Kind::environment, {}};
+  if (text == "transparent") return {Kind::transparent, {}};
+  return {Kind::color, parse_color(text)};
+}
+
+std::optional<float> parse_focus(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  const auto [metres, unit] = leading_number(text);
+  if ((!unit.empty() && unit != "m") || metres <= 0.0) {
+    throw UsageError(fmt::format("'{}' is neither a distance in metres nor 'auto'", text));
+  }
+  return narrow(metres, text);
+}
+
+std::string one_line(const std::string& text) {
+  std::string line = text;
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, ' ');
+  return line;
+}
+
+}  // namespace candela::cli

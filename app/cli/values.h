@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "image/film.h"
+#include "math/types.h"
+#include "path/render.h"
+#include "scene/view.h"
+
+/// What the text of an option means. Every function throws UsageError for a text that is not exactly that.
+namespace candela::cli {
+
+/// A command line that makes no sense whatever the files hold: exit code 2.
+class UsageError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A finite number within [low, high].
+float parse_number(const std::string& text, float low, float high);
+int parse_count(const std::string& text, int low, int high);
+
+ivec2 parse_size(const std::string& text);           ///< "1280x720"
+double parse_duration(const std::string& text);      ///< seconds from "30", "30s", "1.5m", "2h", "500ms"
+float parse_angle(const std::string& text);          ///< radians from "45", "45deg", "0.8rad"
+float parse_field_of_view(const std::string& text);  ///< an angle between 0 and 180 degrees
+vec3 parse_vec3(const std::string& text);            ///< "x,y,z"
+vec3 parse_color(const std::string& text);           ///< linear from "#rrggbb" (sRGB), "r,g,b" (linear) or a name
+Orbit parse_orbit(const std::string& text);          ///< "azimuth,elevation[,distance]", degrees
+std::set<Layer> parse_layers(const std::string& text);
+path::PixelFilter parse_filter(const std::string& text);
+path::Integrator parse_integrator(const std::string& text);
+path::Background parse_background(const std::string& text);
+std::string parse_engine(const std::string& text);
+
+/// Metres, or empty for "auto".
+std::optional<float> parse_focus(const std::string& text);
+
+/// One printable line: line breaks and other control characters become blanks.
+std::string one_line(const std::string& text);
+
+}  // namespace candela::cli
