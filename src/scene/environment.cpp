@@ -1,1 +1,113 @@
-// to be written
+#include "scene/environment.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "base/error.h"
+#include "image/image_file.h"
+#include "scene/builtin_environment.h"
+
+namespace candela {
+namespace {
+
+constexpr float kDefaultSunElevation = 35.0f;
+
+/// Degrees after "sky:".
+float parse_sun_elevation(const std::string& name) {
+  float value = 0.0f;
+  const char* const begin = name.data() + std::string("sky:").size();
+  const char* const end = name.data() + name.size();
+  const auto parsed = std::from_chars(begin, end, value);
+  if (parsed.ec != std::errc() || parsed.ptr != end || !(value >= -5.0f && value <= 90.0f))
+    throw Error("the sun's elevation is a number of degrees from -5 to 90", name);
+  return value;
+}
+
+Environment load_environment(const std::filesystem::path& path) {
+  const Image file = read_image(path);
+  const std::string where = path.string();
+  // A few pixels more or less come from resizing; anything else is no full panorama.
+  if (std::abs(static_cast<float>(file.width) / static_cast<float>(file.height) - 2.0f) > 0.05f)
+    throw Error("an equirectangular environment is twice as wide as high, this image is " + std::to_string(file.width) +
+                    "x" + std::to_string(file.height),
+                where);
+
+  auto map = std::make_shared<Image>(file.width, file.height, 3);
+  for (int y = 0; y < file.height; ++y) {
+    for (int x = 0; x < file.width; ++x) {
+      const vec3 rgb = file.rgb(x, y);
+      if (!is_finite(rgb) || rgb.x < 0.0f || rgb.y < 0.0f || rgb.z < 0.0f)
+        throw Error("pixel " + std::to_string(x) + "," + std::to_string(y) + " is negative or not finite", where);
+      map->set_rgb(x, y, rgb);
+    }
+  }
+  Environment environment;
+  environment.name = path.filename().string();
+  environment.map = std::move(map);
+  return environment;
+}
+
+vec3 lookup(const Image& map, vec3 d) {
+  const float u = 0.5f + std::atan2(d.z, d.x) / (2.0f * kPi);
+  const float v = std::acos(std::clamp(d.y, -1.0f, 1.0f)) / kPi;
+  const float x = u * static_cast<float>(map.width) - 0.5f;
+  const float y = v * static_cast<float>(map.height) - 0.5f;
+  const float left = std::floor(x), top = std::floor(y);
+  const auto column = [&](float c) {
+    const int i = static_cast<int>(c) % map.width;
+    return i < 0 ? i + map.width : i;
+  };
+  const auto row = [&](float r) { return std::clamp(static_cast<int>(r), 0, map.height - 1); };
+  const int x0 = column(left), x1 = column(left + 1.0f), y0 = row(top), y1 = row(top + 1.0f);
+  const vec3 upper = glm::mix(map.rgb(x0, y0), map.rgb(x1, y0), x - left);
+  const vec3 lower = glm::mix(map.rgb(x0, y1), map.rgb(x1, y1), x - left);
+  return glm::mix(upper, lower, y - top);
+}
+
+}  // namespace
+
+namespace detail {
+
+vec3 map_direction(float x, float y, int width, int height) {
+  const float azimuth = (x / static_cast<float>(width) - 0.5f) * 2.0f * kPi;
+  const float polar = y / static_cast<float>(height) * kPi;
+  return {std::sin(polar) * std::cos(azimuth), std::cos(polar), std::sin(polar) * std::sin(azimuth)};
+}
+
+float map_solid_angle(int row, int width, int height) {
+  const float top = kPi * static_cast<float>(row) / static_cast<float>(height);
+  const float bottom = kPi * static_cast<float>(row + 1) / static_cast<float>(height);
+  return (std::cos(top) - std::cos(bottom)) * 2.0f * kPi / static_cast<float>(width);
+}
+
+}  // namespace detail
+
+Environment make_environment(const std::string& name_or_path) {
+  if (name_or_path == "none") return {};
+  if (name_or_path == "furnace") {
+    Environment environment;
+    environment.name = "furnace";
+    environment.constant = vec3(1.0f);
+    return environment;
+  }
+  if (name_or_path == "studio") return detail::make_studio();
+  if (name_or_path == "sky") return detail::make_sky(kDefaultSunElevation);
+  if (name_or_path.starts_with("sky:")) return detail::make_sky(parse_sun_elevation(name_or_path));
+  return load_environment(name_or_path);
+}
+
+vec3 environment_radiance(const Environment& environment, vec3 d) {
+  // Turning the environment by +rotation is turning the direction back.
+  const float c = std::cos(environment.rotation), s = std::sin(environment.rotation);
+  const vec3 local(c * d.x - s * d.z, d.y, s * d.x + c * d.z);
+  vec3 radiance = environment.constant;
+  if (environment.map) radiance += lookup(*environment.map, local);
+  for (const SunDisc& sun : environment.suns) {
+    // 2 sin(½ angle) = chord: exact for the small angles where acos of a float is not.
+    if (glm::length(local - sun.direction) <= 2.0f * std::sin(0.5f * sun.angular_radius)) radiance += sun.radiance;
+  }
+  return environment.intensity * radiance;
+}
+
+}  // namespace candela
