@@ -36,8 +36,10 @@ struct Surface {
   vec3 f0_metal;
   float metallic;
   float alpha;
-  bool is_mirror;          ///< the specular lobe is a delta
-  float specular_chance;   ///< probability of sampling the specular lobe from the prepared wo
+  bool is_mirror;         ///< the specular lobe is a delta
+  float boundary_f0;      ///< albedo of the dielectric boundary at normal incidence, strongest channel
+  float boundary_rise;    ///< and what it gains from there to grazing
+  float specular_chance;  ///< probability of sampling the specular lobe from the prepared wo
 };
 
 struct SurfaceEval {
@@ -71,10 +73,18 @@ SHADE_FN vec3 surface_fresnel(Surface s, float cos_theta) {
   return mix(f_dielectric, f_metal, s.metallic);
 }
 
-/// What the dielectric boundary lets through to the diffuse layer: 1 - max F (KHR_materials_specular).
-SHADE_FN float surface_diffuse_transmission(Surface s, float cos_theta) {
-  float w = schlick_weight(cos_theta);
-  return 1.0f - shade_max3(s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * w);
+/// Share of the light along a direction that crosses the dielectric boundary: 1 - its directional albedo.
+SHADE_FN float surface_boundary_transmission(Surface s, float cos_theta) {
+  return 1.0f - s.boundary_f0 - s.boundary_rise * schlick_weight(cos_theta);
+}
+
+/// The Lambertian layer below the boundary, times cos θi: ρ/π T(wo) T(wi) / T_avg, which returns exactly what the boundary
+/// lets in (Kelemen & Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model"). The 1 - F(wo·h)
+/// of glTF's fresnel_mix is not used: under a smooth boundary it reflects up to 1.7 times the light that arrives.
+SHADE_FN vec3 surface_diffuse(Surface s, float cos_theta_o, float cos_theta_i) {
+  float t_average = 1.0f - s.boundary_f0 - s.boundary_rise * (1.0f / 21.0f);  // cosine-weighted mean of (1 - cos)^5
+  float t = surface_boundary_transmission(s, cos_theta_o) * surface_boundary_transmission(s, cos_theta_i);
+  return lambert_f(s.diffuse) * (t * cos_theta_i / max(t_average, 1e-6f));
 }
 
 /// `cos_theta_o` = wo.z of the viewer, which decides how the lobes share the samples.
@@ -89,9 +99,14 @@ SHADE_FN Surface surface_prepare(SurfaceParams p, float cos_theta_o) {
   s.alpha = roughness_to_alpha(p.roughness);
   s.is_mirror = s.alpha < kGgxMirrorAlpha;
 
+  // ----- directional albedo of the boundary: Schlick's curve, flattened where the facets are rough
+  // 25 keeps the white furnace of every roughness and ior below 1 + 1 % by quadrature, and the loss small.
+  s.boundary_f0 = shade_max3(s.f0_dielectric);
+  s.boundary_rise = (s.f90_dielectric - s.boundary_f0) / (1.0f + 25.0f * s.alpha * s.alpha);
+
   // ----- share of the samples: estimated albedo of each lobe seen from wo
   float specular = shade_max3(surface_fresnel(s, cos_theta_o));
-  float diffuse = shade_max3(s.diffuse) * surface_diffuse_transmission(s, cos_theta_o);
+  float diffuse = shade_max3(s.diffuse) * surface_boundary_transmission(s, cos_theta_o);
   float total = specular + diffuse;
   // At least a tenth for whichever lobe exists at all, so that no weight explodes where the estimate is off.
   float chance = total > 0.0f ? specular / total : 0.0f;
@@ -108,7 +123,7 @@ SHADE_FN SurfaceEval surface_eval(Surface s, vec3 wo, vec3 wi) {
   if (wo.z <= 0.0f || wi.z <= 0.0f) return r;
   vec3 wm = normalize(wo + wi);
   float cos_m = dot(wo, wm);
-  r.value = lambert_f(s.diffuse) * (surface_diffuse_transmission(s, cos_m) * wi.z);
+  r.value = surface_diffuse(s, wo.z, wi.z);
   r.pdf = (1.0f - s.specular_chance) * cosine_pdf(wi.z);
   if (!s.is_mirror) {
     r.value += surface_fresnel(s, cos_m) * (ggx_d(wm, s.alpha) * ggx_v_smith(wo, wi, s.alpha) * wi.z);
@@ -147,7 +162,7 @@ SHADE_FN SurfaceSample surface_sample(Surface s, vec3 wo, vec3 u) {
 
 /// Reflectance estimate for the film's albedo layer: what a denoiser should divide out.
 SHADE_FN vec3 surface_albedo(Surface s, float cos_theta_o) {
-  return s.diffuse * surface_diffuse_transmission(s, cos_theta_o) + surface_fresnel(s, cos_theta_o);
+  return s.diffuse * surface_boundary_transmission(s, cos_theta_o) + surface_fresnel(s, cos_theta_o);
 }
 
 SHADE_END
