@@ -8,8 +8,8 @@
 
 namespace candela {
 
-/// A discrete distribution over 0 … n-1, sampled by inversion (which keeps the order of u, and so its stratification) with
-/// a guide table (Chen & Asau 1974), O(1) on average.
+/// A discrete distribution over 0 … n-1, sampled by inversion (which keeps the order of u, and so its stratification)
+/// with a guide table (Chen & Asau 1974), O(1) on average.
 class Distribution1D {
  public:
   struct Sample {

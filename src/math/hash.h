@@ -14,7 +14,9 @@ inline std::uint32_t hash(std::uint32_t x) {
   return x;
 }
 
-inline std::uint32_t hash_combine(std::uint32_t seed, std::uint32_t v) { return hash(seed ^ (v * 0x9e3779b9U + 0x7f4a7c15U)); }
+inline std::uint32_t hash_combine(std::uint32_t seed, std::uint32_t v) {
+  return hash(seed ^ (v * 0x9e3779b9U + 0x7f4a7c15U));
+}
 
 /// Top 24 bits as a number in [0, 1).
 inline float unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }

@@ -37,11 +37,12 @@ inline std::uint32_t sobol_dimension_1_reversed(std::uint32_t i) {
   return i;
 }
 
-/// Owen-scrambled Sobol' points, padded: every pair of dimensions is a shuffled and scrambled (0,2)-sequence of its own.
-/// Burley 2020, "Practical Hash-based Owen Scrambling", with pairs instead of quadruples. A sample is the index'th point
-/// of the sequence that belongs to `seed`; two seeds (pixels) are uncorrelated.
+/// Owen-scrambled Sobol' points, padded: every pair of dimensions is a shuffled and scrambled (0,2)-sequence of its
+/// own. Burley 2020, "Practical Hash-based Owen Scrambling", with pairs instead of quadruples. A sample is the index'th
+/// point of the sequence that belongs to `seed`; two seeds (pixels) are uncorrelated.
 class SobolSampler {
  public:
+  SobolSampler() = default;
   SobolSampler(std::uint32_t seed, std::uint32_t index) : seed_(seed), index_reversed_(reverse_bits(index)) {}
 
   vec2 next_2d() {
@@ -69,8 +70,8 @@ class SobolSampler {
  private:
   std::uint32_t advance() { return hash(seed_ + 0x9e3779b9U * ++dimension_); }
 
-  std::uint32_t seed_;
-  std::uint32_t index_reversed_;
+  std::uint32_t seed_ = 0;
+  std::uint32_t index_reversed_ = 0;
   std::uint32_t dimension_ = 0;
 };
 

@@ -6,6 +6,8 @@
 
 namespace candela {
 
+using glm::dvec2;
+using glm::dvec3;
 using glm::ivec2;
 using glm::ivec3;
 using glm::mat2;
@@ -19,8 +21,6 @@ using glm::uvec4;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
-using glm::dvec2;
-using glm::dvec3;
 
 inline constexpr float kPi = 3.14159265358979323846f;
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();

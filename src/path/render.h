@@ -41,15 +41,15 @@ struct Settings {
 };
 
 struct Progress {
-  double fraction = 0.0;           ///< of the work, estimated when a time or noise stop is set
-  double seconds = 0.0;            ///< since rendering began
-  double mean_samples = 0.0;       ///< per pixel so far
+  double fraction = 0.0;      ///< of the work, estimated when a time or noise stop is set
+  double seconds = 0.0;       ///< since rendering began
+  double mean_samples = 0.0;  ///< per pixel so far
   double samples_per_second = 0.0;
   std::optional<double> remaining_s;
 };
 
 struct Statistics {
-  double build_s = 0.0;   ///< acceleration structure and light tables
+  double build_s = 0.0;  ///< acceleration structure and light tables
   double render_s = 0.0;
   std::uint64_t samples = 0;  ///< camera samples
   std::uint64_t camera_rays = 0;

@@ -115,6 +115,9 @@ SHADE_FN Surface surface_prepare(SurfaceParams p, float cos_theta_o) {
   return s;
 }
 
+/// Whether every lobe is a delta, so that no direction but the sampled ones can carry light.
+SHADE_FN bool surface_is_delta(Surface s) { return s.is_mirror && s.specular_chance >= 1.0f; }
+
 /// f·|cos θi| and the density of surface_sample, without delta lobes. Zero unless both directions are above the surface.
 SHADE_FN SurfaceEval surface_eval(Surface s, vec3 wo, vec3 wi) {
   SurfaceEval r;

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <vector>
+
+#include "path/integrator.h"
+#include "path/render.h"
+
+namespace candela::path {
+
+/// Running sums of every pixel. A pixel is written by one thread at a time and in the order of its samples, so the sums
+/// do not depend on how many threads there are.
+class Accumulator {
+ public:
+  explicit Accumulator(const Settings& settings);
+
+  /// Adds a sample; false when it is not finite, and then it is left out.
+  bool add(int x, int y, const PathSample& sample);
+
+  std::uint32_t count(int x, int y) const { return pixel(x, y).count; }
+
+  /// Estimated standard error of the pixel's mean luminance, relative to that mean or, where it is darker, to a
+  /// twentieth of `reference` (the picture's mean luminance). Independent samples are assumed: Sobol' points do better
+  /// than it says.
+  float relative_error(int x, int y, float reference) const;
+  float mean_luminance() const;
+
+  /// Mean radiance and layers so far.
+  void resolve(Film& film) const;
+
+ private:
+  struct Pixel {
+    double r = 0.0, g = 0.0, b = 0.0;
+    double luminance2 = 0.0;
+    float alpha = 0.0f;
+    std::uint32_t count = 0;
+  };
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  }
+  const Pixel& pixel(int x, int y) const { return pixels_[index(x, y)]; }
+
+  int width_;
+  int height_;
+  std::vector<Pixel> pixels_;
+  std::vector<vec3> albedo_;  ///< empty unless asked for
+  std::vector<vec3> normal_;
+};
+
+}  // namespace candela::path

@@ -1,0 +1,62 @@
+#include "path/camera.h"
+
+#include <cmath>
+
+#include "shade/diffuse.glsl.h"
+
+namespace candela::path {
+
+Camera::Camera(const View& view, int width, int height)
+    : world_from_camera_(view.world_from_camera), lens_(view.lens), film_size_(width, height) {
+  const float aspect = film_size_.x / film_size_.y;
+  if (const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection)) {
+    const float half = std::tan(0.5f * perspective->yfov);
+    half_extent_ = {half * aspect, half};
+  } else {
+    const auto& orthographic = std::get<OrthographicCamera>(view.projection);
+    half_extent_ = {orthographic.xmag, orthographic.ymag};
+    is_orthographic_ = true;
+  }
+}
+
+vec2 Camera::sample_aperture(vec2 u) const {
+  if (lens_.blades < 3) {
+    const vec3 d = shade::cosine_sample({u.x, u.y});  // its x and y are uniform on the disc
+    return {d.x, d.y};
+  }
+  // A regular polygon: choose one of its triangles, then a point in it (u.x serves twice).
+  const float corners = static_cast<float>(lens_.blades);
+  const float corner = std::floor(u.x * corners);
+  const float step = 2.0f * kPi / corners;
+  const float r = std::sqrt(u.x * corners - corner);
+  const vec2 a(std::cos(step * corner), std::sin(step * corner));
+  const vec2 b(std::cos(step * (corner + 1.0f)), std::sin(step * (corner + 1.0f)));
+  return r * ((1.0f - u.y) * a + u.y * b);
+}
+
+Camera::Sample Camera::generate(vec2 film, vec2 u) const {
+  const vec2 ndc(2.0f * film.x / film_size_.x - 1.0f, 1.0f - 2.0f * film.y / film_size_.y);
+  const vec2 p = ndc * half_extent_;
+  vec3 origin(0.0f);
+  vec3 direction(p, -1.0f);
+  if (is_orthographic_) {
+    origin = vec3(p, 0.0f);
+    direction = vec3(0, 0, -1);
+  }
+  Sample sample;
+  if (has_lens()) {
+    const vec3 focus = origin + direction * lens_.focus_distance;
+    origin += vec3(sample_aperture(u) * lens_.radius, 0.0f);
+    direction = focus - origin;
+  }
+  direction = glm::normalize(direction);
+  if (lens_.vignetting > 0.0f && !is_orthographic_) {
+    const float cos2 = direction.z * direction.z;
+    sample.weight = glm::mix(1.0f, cos2 * cos2, lens_.vignetting);
+  }
+  sample.ray.origin = transform_point(world_from_camera_, origin);
+  sample.ray.direction = glm::normalize(transform_vector(world_from_camera_, direction));
+  return sample;
+}
+
+}  // namespace candela::path

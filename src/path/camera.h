@@ -1,0 +1,32 @@
+#pragma once
+
+#include "path/geometry.h"
+#include "scene/view.h"
+
+namespace candela::path {
+
+/// Turns film positions into rays. A thin lens: Kolb et al. 1995, "A Realistic Camera Model", §3.1.
+class Camera {
+ public:
+  Camera(const View& view, int width, int height);
+
+  bool has_lens() const { return lens_.radius > 0.0f; }
+
+  struct Sample {
+    Ray ray;
+    float weight = 1.0f;  ///< vignetting
+  };
+  /// `film` in pixels from the top left corner, `u` in [0,1)² on the aperture.
+  Sample generate(vec2 film, vec2 u) const;
+
+ private:
+  vec2 sample_aperture(vec2 u) const;
+
+  mat4 world_from_camera_;
+  Lens lens_;
+  vec2 film_size_;
+  vec2 half_extent_;  ///< of the film at distance 1, or in metres when orthographic
+  bool is_orthographic_ = false;
+};
+
+}  // namespace candela::path

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <vector>
+
+#include "math/distribution.h"
+#include "math/frame.h"
+#include "scene/scene.h"
+
+namespace candela::path {
+
+/// The environment map as the integrator uses it: radiance and sampling density side by side, one lookup for both.
+/// Sampled by luminance × solid angle above the mean (MIS compensation, Karlík et al. 2019, "MIS Compensation:
+/// Optimizing Sampling Techniques in Multiple Importance Sampling", §5): what lies below is left to the material's
+/// samples.
+class EnvironmentLight {
+ public:
+  explicit EnvironmentLight(const Environment& environment);
+
+  struct Value {
+    vec3 radiance{0.0f};
+    float pdf = 0.0f;  ///< of sample(), per solid angle
+  };
+  /// `direction` is unit, world space. Without the suns.
+  Value evaluate(vec3 direction) const;
+
+  struct Sample {
+    vec3 direction{0, 1, 0};
+    Value value;
+  };
+  /// Only when can_sample().
+  Sample sample(vec2 u) const;
+
+  bool can_sample() const { return can_sample_; }
+  /// ∫ L dω of the map, luminance; for choosing between lights.
+  float flux() const { return flux_; }
+
+  struct Sun {
+    Frame frame;               ///< +z towards it
+    float sin2_radius = 0.0f;  ///< sin² of the angular radius: its cosine has too few digits in single precision
+    float solid_angle = 0.0f;
+    vec3 radiance{0.0f};
+  };
+  const std::vector<Sun>& suns() const { return suns_; }
+
+ private:
+  vec2 uv_from_direction(vec3 world) const;
+  vec3 radiance_at(vec2 uv) const;
+  void build_distribution();
+
+  int width_ = 0;
+  int height_ = 0;
+  float cos_rotation_ = 1.0f;
+  float sin_rotation_ = 0.0f;
+  vec3 constant_{0.0f};
+  std::vector<vec4> texels_;  ///< radiance and density over uv
+  Distribution2D distribution_;
+  bool can_sample_ = false;
+  float flux_ = 0.0f;
+  std::vector<Sun> suns_;
+};
+
+}  // namespace candela::path

@@ -1,0 +1,352 @@
+#include "path/geometry.h"
+
+#include <bit>
+#include <map>
+
+#include "base/error.h"
+#include "math/hash.h"
+#include "path/embree.h"
+
+namespace candela::path {
+
+namespace {
+
+/// What the filter callbacks need to know of a ray beside Embree's own context, which must come first.
+struct QueryContext {
+  RayContext base;
+  const std::uint32_t* seeds = nullptr;  ///< per ray id; null for shadow rays
+  float transmittance = 1.0f;            ///< of a shadow ray so far
+};
+
+float hit_opacity(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
+  const auto& mesh = *static_cast<const MeshData*>(arguments->geometryUserPtr);
+  const unsigned triangle = RTCHitN_primID(arguments->hit, arguments->N, lane);
+  const float u = RTCHitN_u(arguments->hit, arguments->N, lane);
+  const float v = RTCHitN_v(arguments->hit, arguments->N, lane);
+  return mesh.opacity(mesh.triangles[triangle], {1.0f - u - v, u, v});
+}
+
+/// Closest hit: a surface of opacity a is there with probability a.
+void filter_closest(const RTCFilterFunctionNArguments* arguments) {
+  const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    const float opacity = hit_opacity(arguments, i);
+    if (opacity >= 1.0f) continue;
+    const unsigned id = RTCRayN_id(arguments->ray, arguments->N, i);
+    const unsigned geometry = RTCHitN_geomID(arguments->hit, arguments->N, i);
+    const unsigned instance = RTCHitN_instID(arguments->hit, arguments->N, i, 0);
+    const unsigned triangle = RTCHitN_primID(arguments->hit, arguments->N, i);
+    const std::uint32_t surface = hash_combine(hash_combine(geometry, instance), triangle);
+    if (unit_float(hash_combine(context.seeds[id], surface)) >= opacity) arguments->valid[i] = 0;
+  }
+}
+
+/// Any hit: multiply up what passes, go on until something is opaque.
+void filter_shadow(const RTCFilterFunctionNArguments* arguments) {
+  auto& context = *reinterpret_cast<QueryContext*>(arguments->context);
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    const float opacity = hit_opacity(arguments, i);
+    if (opacity >= 1.0f) continue;
+    context.transmittance *= 1.0f - opacity;
+    arguments->valid[i] = 0;
+  }
+}
+
+GeometryHandle make_triangles(RTCDevice device, MeshData& mesh) {
+  GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+  rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices.data(), 0,
+                             sizeof(ShadeVertex), mesh.vertices.size());
+  rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                             sizeof(uvec3), mesh.triangles.size());
+  rtcSetGeometryUserData(geometry.get(), &mesh);
+  if (mesh.material->needs_opacity) {
+    rtcSetGeometryIntersectFilterFunction(geometry.get(), filter_closest);
+    rtcSetGeometryOccludedFilterFunction(geometry.get(), filter_shadow);
+  }
+  rtcCommitGeometry(geometry.get());
+  return geometry;
+}
+
+std::unique_ptr<MeshData> make_mesh(const Primitive& primitive, const MaterialData& material,
+                                    const Placement* to_world) {
+  auto mesh = std::make_unique<MeshData>();
+  mesh->material = &material;
+  mesh->triangles = primitive.triangles;
+  mesh->tangents = material.normal ? primitive.tangents : std::vector<vec4>{};
+  mesh->uv1 = primitive.uvs[1];
+  mesh->colors = primitive.colors;
+  mesh->vertices.resize(primitive.positions.size());
+  for (std::size_t i = 0; i < mesh->vertices.size(); ++i) {
+    ShadeVertex& v = mesh->vertices[i];
+    v.position = primitive.positions[i];
+    v.normal = primitive.normals[i];
+    v.uv0 = primitive.uvs[0].empty() ? vec2(0.0f) : primitive.uvs[0][i];
+    if (to_world != nullptr) {
+      v.position = transform_point(to_world->world_from_object, v.position);
+      const vec3 n = to_world->world_from_normal * v.normal;
+      const float length = glm::length(n);
+      v.normal = length > 0.0f ? n / length : vec3(0, 1, 0);
+    }
+  }
+  if (to_world != nullptr) {
+    for (vec4& t : mesh->tangents) {
+      t = vec4(mat3(to_world->world_from_object) * vec3(t), to_world->is_mirrored ? -t.w : t.w);
+    }
+  }
+  return mesh;
+}
+
+Placement make_placement(const Node& node, int index) {
+  Placement placement;
+  placement.world_from_object = node.world_from_node;
+  const mat3 linear(node.world_from_node);
+  const float determinant = glm::determinant(linear);
+  // The cofactor matrix is the inverse transpose up to scale, and exists for flattening matrices too.
+  const mat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                      glm::cross(linear[0], linear[1]));
+  placement.world_from_normal = determinant < 0.0f ? -cofactor : cofactor;
+  placement.is_mirrored = determinant < 0.0f;
+  placement.node = index;
+  return placement;
+}
+
+}  // namespace
+
+MaterialData::MaterialData(const Scene& scene, const Material& material)
+    : factors(material),
+      base_color(scene, material.base_color_texture, Encoding::srgb),
+      metallic_roughness(scene, material.metallic_roughness_texture, Encoding::data),
+      normal(scene, material.normal_texture, Encoding::data),
+      emissive(scene, material.emissive_texture, Encoding::srgb),
+      specular(scene, material.specular_texture, Encoding::data),
+      specular_color(scene, material.specular_color_texture, Encoding::srgb) {
+  needs_opacity = material.alpha_mode != AlphaMode::opaque;
+  is_emissive = max_component(material.emission) > 0.0f && !material.unlit;
+}
+
+vec2 MeshData::uv(const uvec3& t, vec3 b, int set) const {
+  if (set == 1 && !uv1.empty()) return uv1[t.x] * b.x + uv1[t.y] * b.y + uv1[t.z] * b.z;
+  return vertices[t.x].uv0 * b.x + vertices[t.y].uv0 * b.y + vertices[t.z].uv0 * b.z;
+}
+
+vec4 MeshData::color(const uvec3& t, vec3 b) const {
+  return colors.empty() ? vec4(1.0f) : colors[t.x] * b.x + colors[t.y] * b.y + colors[t.z] * b.z;
+}
+
+float MeshData::opacity(const uvec3& t, vec3 b) const {
+  const Material& m = material->factors;
+  if (m.alpha_mode == AlphaMode::opaque) return 1.0f;
+  float alpha = m.opacity * color(t, b).w;
+  if (material->base_color) alpha *= material->base_color.sample(uv(t, b, material->base_color.uv_set())).w;
+  return m.alpha_mode == AlphaMode::mask ? (alpha >= m.alpha_cutoff ? 1.0f : 0.0f) : glm::clamp(alpha, 0.0f, 1.0f);
+}
+
+struct Geometry::Impl {
+  DeviceHandle device;
+  SceneHandle scene;
+  std::vector<SceneHandle> shared;         ///< one per mesh that several nodes use
+  std::vector<int> placement_of_geometry;  ///< by geometry id of the top level: its (first) placement
+  bool is_empty = true;
+
+  int placement(unsigned instance, unsigned geometry) const {
+    if (instance == RTC_INVALID_GEOMETRY_ID) return placement_of_geometry[geometry];
+    return placement_of_geometry[instance] + static_cast<int>(geometry);
+  }
+
+  void check(const char* what) const {
+    if (rtcGetDeviceError(device.get()) != RTC_ERROR_NONE) {
+      throw Error(std::string("not enough memory, or an internal failure, while ") + what);
+    }
+  }
+
+  void attach(RTCScene target, GeometryHandle geometry, unsigned id) {
+    rtcAttachGeometryByID(target, geometry.get(), id);
+  }
+};
+
+Geometry::Geometry(const Scene& scene) : impl_(std::make_unique<Impl>()) {
+  impl_->device.reset(rtcNewDevice(nullptr));
+  if (!impl_->device) throw Error("cannot start Embree");
+  impl_->scene.reset(rtcNewScene(impl_->device.get()));
+  rtcSetSceneBuildQuality(impl_->scene.get(), RTC_BUILD_QUALITY_MEDIUM);
+
+  materials_.reserve(scene.materials.size());
+  for (const Material& material : scene.materials) materials_.emplace_back(scene, material);
+
+  std::map<int, int> uses;
+  for (const Node& node : scene.nodes) {
+    if (node.mesh >= 0) ++uses[node.mesh];
+  }
+
+  struct Shared {
+    SceneHandle scene;
+    std::vector<const MeshData*> meshes;
+  };
+  std::map<int, Shared> shared;
+  unsigned next_geometry = 0;
+
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    if (node.mesh < 0) continue;
+    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(node.mesh)];
+    Placement placement = make_placement(node, static_cast<int>(i));
+
+    // ----- placed once: straight into the top level, in world space
+    if (uses[node.mesh] == 1) {
+      for (const Primitive& primitive : mesh.primitives) {
+        if (primitive.triangles.empty()) continue;
+        meshes_.push_back(make_mesh(primitive, materials_[static_cast<std::size_t>(primitive.material)], &placement));
+        Placement in_world = placement;
+        in_world.mesh = meshes_.back().get();
+        in_world.is_world = true;
+        impl_->placement_of_geometry.push_back(static_cast<int>(placements_.size()));
+        placements_.push_back(in_world);
+        triangle_count_ += primitive.triangles.size();
+        impl_->attach(impl_->scene.get(), make_triangles(impl_->device.get(), *meshes_.back()), next_geometry++);
+      }
+      continue;
+    }
+
+    // ----- placed often: a tree of its own, instanced
+    Shared& tree = shared[node.mesh];
+    if (!tree.scene) {
+      tree.scene.reset(rtcNewScene(impl_->device.get()));
+      for (const Primitive& primitive : mesh.primitives) {
+        if (primitive.triangles.empty()) continue;
+        meshes_.push_back(make_mesh(primitive, materials_[static_cast<std::size_t>(primitive.material)], nullptr));
+        impl_->attach(tree.scene.get(), make_triangles(impl_->device.get(), *meshes_.back()),
+                      static_cast<unsigned>(tree.meshes.size()));
+        tree.meshes.push_back(meshes_.back().get());
+        triangle_count_ += primitive.triangles.size();
+      }
+      rtcCommitScene(tree.scene.get());
+    }
+    if (tree.meshes.empty()) continue;
+    GeometryHandle instance(rtcNewGeometry(impl_->device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(instance.get(), tree.scene.get());
+    rtcSetGeometryTransform(instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &placement.world_from_object[0][0]);
+    rtcCommitGeometry(instance.get());
+    impl_->placement_of_geometry.push_back(static_cast<int>(placements_.size()));
+    impl_->attach(impl_->scene.get(), std::move(instance), next_geometry++);
+    ++instance_count_;
+    for (const MeshData* data : tree.meshes) {
+      placement.mesh = data;
+      placements_.push_back(placement);
+    }
+  }
+  for (auto& [index, tree] : shared) impl_->shared.push_back(std::move(tree.scene));
+
+  rtcCommitScene(impl_->scene.get());
+  impl_->check("building the acceleration structure");
+  impl_->is_empty = next_geometry == 0;
+  if (!impl_->is_empty) {
+    RTCBounds b;
+    rtcGetSceneBounds(impl_->scene.get(), &b);
+    bounds_ = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+  }
+}
+
+Geometry::~Geometry() = default;
+
+Hit Geometry::intersect(const Ray& ray, std::uint32_t seed) const {
+  QueryContext context;
+  init_context(context.base);
+  context.seeds = &seed;
+  RTCRayHit query;
+  query.ray.org_x = ray.origin.x;
+  query.ray.org_y = ray.origin.y;
+  query.ray.org_z = ray.origin.z;
+  query.ray.dir_x = ray.direction.x;
+  query.ray.dir_y = ray.direction.y;
+  query.ray.dir_z = ray.direction.z;
+  query.ray.tnear = ray.t_min;
+  query.ray.tfar = ray.t_max;
+  query.ray.time = 0.0f;
+  query.ray.mask = ~0U;
+  query.ray.id = 0;
+  query.ray.flags = 0;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  intersect_1(impl_->scene.get(), context.base, query);
+
+  Hit hit;
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+  hit.placement = impl_->placement(query.hit.instID[0], query.hit.geomID);
+  hit.triangle = query.hit.primID;
+  hit.t = query.ray.tfar;
+  hit.u = query.hit.u;
+  hit.v = query.hit.v;
+  return hit;
+}
+
+void Geometry::intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize]) const {
+  QueryContext context;
+  init_context(context.base);
+  context.seeds = packet.seeds;
+  RTCRayHit16 query;
+  alignas(64) int valid[RayPacket::kSize];
+  for (int i = 0; i < RayPacket::kSize; ++i) {
+    const Ray& ray = packet.rays[i];
+    valid[i] = packet.active[i] ? -1 : 0;
+    query.ray.org_x[i] = ray.origin.x;
+    query.ray.org_y[i] = ray.origin.y;
+    query.ray.org_z[i] = ray.origin.z;
+    query.ray.dir_x[i] = ray.direction.x;
+    query.ray.dir_y[i] = ray.direction.y;
+    query.ray.dir_z[i] = ray.direction.z;
+    query.ray.tnear[i] = ray.t_min;
+    query.ray.tfar[i] = ray.t_max;
+    query.ray.time[i] = 0.0f;
+    query.ray.mask[i] = ~0U;
+    query.ray.id[i] = static_cast<unsigned>(i);
+    query.ray.flags[i] = 0;
+    query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  intersect_16(valid, impl_->scene.get(), context.base, query);
+  for (int i = 0; i < RayPacket::kSize; ++i) {
+    hits[i] = {};
+    if (valid[i] == 0 || query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    hits[i].placement = impl_->placement(query.hit.instID[0][i], query.hit.geomID[i]);
+    hits[i].triangle = query.hit.primID[i];
+    hits[i].t = query.ray.tfar[i];
+    hits[i].u = query.hit.u[i];
+    hits[i].v = query.hit.v[i];
+  }
+}
+
+float Geometry::transmittance(const Ray& ray) const {
+  QueryContext context;
+  init_context(context.base);
+  RTCRay query;
+  query.org_x = ray.origin.x;
+  query.org_y = ray.origin.y;
+  query.org_z = ray.origin.z;
+  query.dir_x = ray.direction.x;
+  query.dir_y = ray.direction.y;
+  query.dir_z = ray.direction.z;
+  query.tnear = ray.t_min;
+  query.tfar = ray.t_max;
+  query.time = 0.0f;
+  query.mask = ~0U;
+  query.id = 0;
+  query.flags = 0;
+  occluded_1(impl_->scene.get(), context.base, query);
+  return query.tfar < 0.0f ? 0.0f : context.transmittance;
+}
+
+TrianglePositions triangle_positions(const Placement& placement, std::uint32_t triangle) {
+  const MeshData& mesh = *placement.mesh;
+  const uvec3 t = mesh.triangles[triangle];
+  TrianglePositions p{mesh.vertices[t.x].position, mesh.vertices[t.y].position, mesh.vertices[t.z].position};
+  if (!placement.is_world) {
+    p.p0 = transform_point(placement.world_from_object, p.p0);
+    p.p1 = transform_point(placement.world_from_object, p.p1);
+    p.p2 = transform_point(placement.world_from_object, p.p2);
+  }
+  return p;
+}
+
+}  // namespace candela::path

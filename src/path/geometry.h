@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "path/texture.h"
+#include "scene/scene.h"
+
+namespace candela::path {
+
+/// A material with its textures resolved.
+struct MaterialData {
+  Material factors;
+  TextureReader base_color, metallic_roughness, normal, emissive, specular, specular_color;
+  bool needs_opacity = false;  ///< mask or blend that can let light through
+  bool is_emissive = false;
+
+  MaterialData(const Scene& scene, const Material& material);
+};
+
+/// What a bounce reads of a vertex, packed so that it costs one cache line.
+struct ShadeVertex {
+  vec3 position;
+  vec3 normal;
+  vec2 uv0;
+};
+
+/// One primitive as the path tracer stores it; in world space when it is placed once.
+struct MeshData {
+  std::vector<ShadeVertex> vertices;
+  std::vector<uvec3> triangles;
+  std::vector<vec4> tangents;
+  std::vector<vec2> uv1;
+  std::vector<vec4> colors;
+  const MaterialData* material = nullptr;
+
+  vec2 uv(const uvec3& t, vec3 b, int set) const;
+  vec4 color(const uvec3& t, vec3 b) const;
+  /// Base colour alpha after the alpha mode: 0 or 1 for masks. `t` a triangle, `b` barycentric weights.
+  float opacity(const uvec3& t, vec3 b) const;
+};
+
+/// A primitive of a node: which data, and how it stands in the world.
+struct Placement {
+  const MeshData* mesh = nullptr;
+  mat4 world_from_object{1.0f};
+  mat3 world_from_normal{1.0f};  ///< inverse transpose
+  bool is_world = false;         ///< the mesh already is in world space
+  bool is_mirrored = false;      ///< negative determinant: the winding is reversed
+  int node = -1;
+  int first_light = -1;  ///< index of triangle 0 among the emissive triangles
+};
+
+struct Hit {
+  int placement = -1;  ///< -1 = nothing
+  std::uint32_t triangle = 0;
+  float t = kInfinity;
+  float u = 0.0f, v = 0.0f;
+
+  explicit operator bool() const { return placement >= 0; }
+};
+
+struct Ray {
+  vec3 origin;
+  vec3 direction;
+  float t_min = 0.0f;
+  float t_max = kInfinity;
+};
+
+/// Sixteen camera rays, traced together.
+struct RayPacket {
+  static constexpr int kSize = 16;
+  Ray rays[kSize];
+  std::uint32_t seeds[kSize];
+  bool active[kSize];
+};
+
+/// Everything that rays can hit: Embree's tree, and the data to shade a hit. Meshes used by many nodes are stored once.
+class Geometry {
+ public:
+  explicit Geometry(const Scene& scene);
+  ~Geometry();
+  Geometry(const Geometry&) = delete;
+  Geometry& operator=(const Geometry&) = delete;
+
+  /// Closest hit. Alpha is a stochastic decision per surface, drawn from `seed`: accepted hits are opaque.
+  Hit intersect(const Ray& ray, std::uint32_t seed) const;
+  void intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize]) const;
+
+  /// Fraction of light that passes along the segment: 0, 1, or the product of 1 - opacity of blended surfaces.
+  float transmittance(const Ray& ray) const;
+
+  const Placement& placement(int index) const { return placements_[static_cast<std::size_t>(index)]; }
+  std::vector<Placement>& placements() { return placements_; }
+  const std::vector<Placement>& placements() const { return placements_; }
+  const Box3& bounds() const { return bounds_; }
+  std::uint64_t triangle_count() const { return triangle_count_; }
+  std::uint64_t instance_count() const { return instance_count_; }
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  std::vector<MaterialData> materials_;
+  std::vector<std::unique_ptr<MeshData>> meshes_;
+  std::vector<Placement> placements_;
+  Box3 bounds_;
+  std::uint64_t triangle_count_ = 0;
+  std::uint64_t instance_count_ = 0;
+};
+
+/// World-space corners of a triangle.
+struct TrianglePositions {
+  vec3 p0, p1, p2;
+};
+TrianglePositions triangle_positions(const Placement& placement, std::uint32_t triangle);
+
+}  // namespace candela::path

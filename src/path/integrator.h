@@ -1,0 +1,42 @@
+#pragma once
+
+#include "math/sobol.h"
+#include "path/lights.h"
+#include "path/render.h"
+
+namespace candela::path {
+
+/// What all paths share.
+struct PathContext {
+  const Geometry& geometry;
+  const Lights& lights;
+  int bounces = 8;
+  Background background;
+};
+
+struct RayCounts {
+  std::uint64_t camera = 0;
+  std::uint64_t bounce = 0;
+  std::uint64_t shadow = 0;
+};
+
+/// One sample of a pixel.
+struct PathSample {
+  vec3 radiance{0.0f};
+  float alpha = 1.0f;  ///< 0 where the camera ray left the scene and the background is transparent
+  vec3 albedo{0.0f};   ///< of the first surface; 1 for lights and the background
+  vec3 normal{0.0f};   ///< of the first surface
+};
+
+/// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees. Moves the
+/// ray's origin behind what was skipped.
+Hit first_visible_hit(const PathContext& context, Ray& ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
+
+/// Radiance that comes back along a camera ray whose first hit is known. Unbiased; see docs/theory/path-tracing.md.
+PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
+
+/// The same expectation without looking for lights: it only follows the material until a light is met. Sees no punctual
+/// light (they have no size). Read this one first.
+PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
+
+}  // namespace candela::path

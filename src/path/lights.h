@@ -1,0 +1,77 @@
+#pragma once
+
+#include "path/environment_light.h"
+#include "path/geometry.h"
+
+namespace candela::path {
+
+/// One direction that light arrives from at a point, chosen among all lights.
+struct LightSample {
+  vec3 direction{0, 1, 0};
+  float distance = kInfinity;
+  vec3 radiance{0.0f};  ///< of a delta light: irradiance on a surface that faces it
+  float pdf = 0.0f;  ///< per solid angle, with the chance of this light; of a delta light that chance alone; 0 = none
+  bool is_delta = false;
+  float mis_power = 1.0f;  ///< exponent of the heuristic for this kind of light
+};
+
+/// Weight of a technique with density `a` against one with density `b`; power 1 (balance) or 2 (Veach 1997, §9.2).
+inline float mis_weight(float a, float b, float power) {
+  if (power == 1.0f) return a / (a + b);
+  const float r = b / a;
+  return 1.0f / (1.0f + r * r);
+}
+
+/// Exponents: the environment's density is compensated for the balance heuristic, the others do better with the power
+/// one.
+inline constexpr float kEnvironmentMisPower = 1.0f;
+inline constexpr float kAreaMisPower = 2.0f;
+
+/// Every source of light in the scene, chosen by power: the map, suns, punctual lights, emissive triangles.
+class Lights {
+ public:
+  /// Numbers the emissive triangles in `geometry`.
+  Lights(const Scene& scene, const Environment& environment, Geometry& geometry);
+
+  bool can_sample() const { return !choice_.empty(); }
+  LightSample sample(vec3 position, float u_choice, vec2 u) const;
+
+  /// What a ray sees that hits nothing, each part weighted against sampling it by sample(): `bsdf_pdf` is the density
+  /// that the direction was sampled with; ≤ 0 means that no other technique could (camera rays, mirrors): full weight.
+  vec3 escaped_radiance(vec3 direction, float bsdf_pdf) const;
+
+  /// Density of sample() for the point of an emissive triangle at `distance` seen under `cos_light`; 0 when never
+  /// sampled.
+  float triangle_pdf(int light, float distance, float cos_light) const;
+
+  const EnvironmentLight& environment() const { return environment_; }
+
+ private:
+  struct TriangleLight {
+    std::int32_t placement = -1;
+    std::uint32_t triangle = 0;
+    float area = 0.0f;
+  };
+  struct PunctualLight {
+    Light light;
+    vec3 position{0.0f};
+    vec3 direction{0, 0, -1};  ///< it shines along
+    float cos_inner = 1.0f, cos_outer = 0.0f;
+  };
+
+  void add_triangles(Geometry& geometry, std::vector<float>& powers);
+  void add_punctual(const Scene& scene, float scene_radius, std::vector<float>& powers);
+  LightSample sample_environment(vec2 u) const;
+  LightSample sample_sun(const EnvironmentLight::Sun& sun, vec2 u) const;
+  LightSample sample_punctual(const PunctualLight& light, vec3 position) const;
+  LightSample sample_triangle(const TriangleLight& light, vec3 position, vec2 u) const;
+
+  const Geometry& geometry_;
+  EnvironmentLight environment_;
+  std::vector<PunctualLight> punctual_;
+  std::vector<TriangleLight> triangles_;
+  /// Over: the map, the suns, the punctual lights, the triangles, in this order.
+  Distribution1D choice_;
+};
+
+}  // namespace candela::path

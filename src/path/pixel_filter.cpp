@@ -1,0 +1,56 @@
+#include "path/pixel_filter.h"
+
+#include <cmath>
+#include <vector>
+
+namespace candela::path {
+
+namespace {
+
+/// Profile over t in [-1, 1] (t = 1 at the radius).
+double profile(PixelFilter filter, double t) {
+  constexpr double kPiD = 3.14159265358979323846;
+  switch (filter) {
+    case PixelFilter::box:
+      return 1.0;
+    // σ = radius / 3, minus its value at the radius, so that it ends at 0.
+    case PixelFilter::gaussian:
+      return std::exp(-4.5 * t * t) - std::exp(-4.5);
+    // Harris 1978, "On the Use of Windows for Harmonic Analysis", table I, minimum 4-term.
+    case PixelFilter::blackman_harris:
+      return 0.35875 + 0.48829 * std::cos(kPiD * t) + 0.14128 * std::cos(2.0 * kPiD * t) +
+             0.01168 * std::cos(3.0 * kPiD * t);
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+PixelFilterSampler::PixelFilterSampler(PixelFilter filter, float radius) : filter_(filter), radius_(radius) {
+  if (radius_ <= 0.0f) radius_ = filter == PixelFilter::box ? 0.5f : 1.5f;
+  constexpr int kSteps = 8192;
+  std::vector<double> integral(kSteps + 1);
+  for (int i = 0; i < kSteps; ++i) {
+    const double t = 2.0 * (i + 0.5) / kSteps - 1.0;
+    integral[static_cast<std::size_t>(i + 1)] = integral[static_cast<std::size_t>(i)] + profile(filter, t);
+  }
+  int step = 0;
+  for (int k = 0; k <= kSize; ++k) {
+    const double target = integral.back() * k / kSize;
+    while (step + 1 < kSteps && integral[static_cast<std::size_t>(step + 1)] < target) ++step;
+    const double a = integral[static_cast<std::size_t>(step)];
+    const double b = integral[static_cast<std::size_t>(step + 1)];
+    const double t = 2.0 * (step + (b > a ? (target - a) / (b - a) : 0.0)) / kSteps - 1.0;
+    inverse_[static_cast<std::size_t>(k)] = static_cast<float>(t) * radius_;
+  }
+}
+
+float PixelFilterSampler::sample(float u) const {
+  if (filter_ == PixelFilter::box) return (2.0f * u - 1.0f) * radius_;
+  const float x = u * static_cast<float>(kSize);
+  const int i = static_cast<int>(x);
+  const auto k = static_cast<std::size_t>(i < kSize ? i : kSize - 1);
+  return glm::mix(inverse_[k], inverse_[k + 1], x - static_cast<float>(k));
+}
+
+}  // namespace candela::path

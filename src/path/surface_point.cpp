@@ -1,0 +1,156 @@
+#include "path/surface_point.h"
+
+#include <bit>
+
+namespace candela::path {
+
+namespace {
+
+/// Where a point of a facet would lie on the curved surface that its vertex normals describe; rays that start there do
+/// not see the facet's neighbours as a staircase. Hanika 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II,
+/// ch. 4.
+vec3 lift_to_smooth_surface(vec3 p, const TrianglePositions& t, const std::array<vec3, 3>& normals, vec3 barycentric) {
+  const auto lift = [](vec3 offset, vec3 n) { return offset - glm::min(0.0f, glm::dot(offset, n)) * n; };
+  return p + barycentric.x * (lift(p - t.p0, normals[0]) - (p - t.p0)) +
+         barycentric.y * (lift(p - t.p1, normals[1]) - (p - t.p1)) +
+         barycentric.z * (lift(p - t.p2, normals[2]) - (p - t.p2));
+}
+
+/// Turns a shading normal just so far that the viewer is in front of it and its mirror direction is in front of the
+/// facet.
+vec3 keep_reflection_outside(vec3 ns, vec3 ng, vec3 wo) {
+  const float cos_o = glm::dot(ns, wo);
+  if (cos_o < 0.01f) ns = glm::normalize(ns + (0.01f - cos_o) * wo);
+  const vec3 reflected = 2.0f * glm::dot(ns, wo) * ns - wo;
+  const float limit = glm::min(0.9f * glm::dot(ng, wo), 0.01f);
+  const float above = glm::dot(reflected, ng);
+  if (above >= limit) return ns;
+  return glm::normalize(wo + glm::normalize(reflected + (limit - above) * ng));
+}
+
+shade::SurfaceParams fetch_params(const MeshData& mesh, const uvec3& t, vec3 b, vec3 base_color) {
+  const MaterialData& material = *mesh.material;
+  const Material& m = material.factors;
+  shade::SurfaceParams params;
+  params.base_color = base_color;
+  params.metallic = m.metallic;
+  params.roughness = m.roughness;
+  params.ior = m.ior;
+  params.specular = m.specular;
+  params.specular_color = m.specular_color;
+  if (material.metallic_roughness) {
+    const vec4 texel = material.metallic_roughness.sample(mesh.uv(t, b, material.metallic_roughness.uv_set()));
+    params.roughness *= texel.y;
+    params.metallic *= texel.z;
+  }
+  if (material.specular) params.specular *= material.specular.sample(mesh.uv(t, b, material.specular.uv_set())).w;
+  if (material.specular_color) {
+    params.specular_color *= vec3(material.specular_color.sample(mesh.uv(t, b, material.specular_color.uv_set())));
+  }
+  return params;
+}
+
+}  // namespace
+
+vec3 offset_from_surface(vec3 p, vec3 n) {
+  constexpr float kIntegerScale = 256.0f;         // units in the last place
+  constexpr float kNearZero = 1.0f / 32.0f;       // where those units get too small …
+  constexpr float kFloatScale = 1.0f / 65536.0f;  // … and this many metres take over
+  vec3 result;
+  for (int i = 0; i < 3; ++i) {
+    const int ulps = static_cast<int>(kIntegerScale * n[i]);
+    const float moved = std::bit_cast<float>(std::bit_cast<int>(p[i]) + (p[i] < 0.0f ? -ulps : ulps));
+    result[i] = std::abs(p[i]) < kNearZero ? p[i] + kFloatScale * n[i] : moved;
+  }
+  return result;
+}
+
+vec3 SurfacePoint::ray_origin(vec3 direction) const {
+  return is_outside(direction) ? offset_from_surface(lifted, geometric_normal)
+                               : offset_from_surface(position, -geometric_normal);
+}
+
+vec3 emission_at(const MeshData& mesh, const uvec3& triangle, vec3 barycentric) {
+  const MaterialData& material = *mesh.material;
+  vec3 emission = material.factors.emission;
+  if (material.emissive) {
+    emission *= vec3(material.emissive.sample(mesh.uv(triangle, barycentric, material.emissive.uv_set())));
+  }
+  return emission;
+}
+
+bool is_culled_back(const Geometry& geometry, const Hit& hit, vec3 direction) {
+  const Placement& placement = geometry.placement(hit.placement);
+  if (placement.mesh->material->factors.double_sided) return false;
+  const TrianglePositions p = triangle_positions(placement, hit.triangle);
+  const float side = glm::dot(glm::cross(p.p1 - p.p0, p.p2 - p.p0), direction);
+  return placement.is_mirrored ? side < 0.0f : side > 0.0f;
+}
+
+SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 direction) {
+  const Placement& placement = geometry.placement(hit.placement);
+  const MeshData& mesh = *placement.mesh;
+  const MaterialData& material = *mesh.material;
+  const Material& m = material.factors;
+  const uvec3 t = mesh.triangles[hit.triangle];
+  const vec3 b(1.0f - hit.u - hit.v, hit.u, hit.v);
+  const vec3 wo = -direction;
+
+  // ----- the facet
+  SurfacePoint point;
+  const TrianglePositions p = triangle_positions(placement, hit.triangle);
+  point.position = p.p0 * b.x + p.p1 * b.y + p.p2 * b.z;
+  vec3 ng = glm::normalize(glm::cross(p.p1 - p.p0, p.p2 - p.p0));
+  if (placement.is_mirrored) ng = -ng;
+  point.is_back = glm::dot(ng, wo) < 0.0f;
+  if (point.is_back) ng = -ng;
+  point.geometric_normal = ng;
+
+  // ----- the smooth surface it stands for
+  std::array<vec3, 3> normals{mesh.vertices[t.x].normal, mesh.vertices[t.y].normal, mesh.vertices[t.z].normal};
+  if (!placement.is_world) {
+    for (vec3& n : normals) n = glm::normalize(placement.world_from_normal * n);
+  }
+  vec3 ns = normals[0] * b.x + normals[1] * b.y + normals[2] * b.z;
+  const float length2 = glm::dot(ns, ns);
+  ns = length2 > 1e-12f ? ns * glm::inversesqrt(length2) : ng;
+  const float side = glm::dot(ns, ng) < 0.0f ? -1.0f : 1.0f;
+  ns *= side;
+  for (vec3& n : normals) n *= side;
+  point.lifted = lift_to_smooth_surface(point.position, p, normals, b);
+
+  // ----- normal map
+  if (material.normal && !mesh.tangents.empty()) {
+    const vec4 t0 = mesh.tangents[t.x];
+    vec3 tangent = vec3(t0) * b.x + vec3(mesh.tangents[t.y]) * b.y + vec3(mesh.tangents[t.z]) * b.z;
+    if (!placement.is_world) tangent = mat3(placement.world_from_object) * tangent;
+    // The map's frame belongs to the front; seen from behind its normal is flipped as a whole (glTF 2.0 §3.9.6).
+    const vec3 front = point.is_back ? -ns : ns;
+    const bool flip = (t0.w < 0.0f) != (!placement.is_world && placement.is_mirrored);
+    const Frame frame = frame_from_tangent(front, tangent);
+    const vec4 texel = material.normal.sample(mesh.uv(t, b, material.normal.uv_set()));
+    vec3 local = vec3(texel) * 2.0f - 1.0f;
+    local.x *= m.normal_scale;
+    local.y *= flip ? -m.normal_scale : m.normal_scale;
+    const vec3 mapped = frame.to_world(local);
+    const float mapped2 = glm::dot(mapped, mapped);
+    if (mapped2 > 1e-12f) ns = mapped * (glm::inversesqrt(mapped2) * (point.is_back ? -1.0f : 1.0f));
+  }
+  ns = keep_reflection_outside(ns, ng, wo);
+  point.frame = frame_from_normal(ns);
+  point.wo = point.frame.to_local(wo);
+
+  // ----- the material
+  vec3 base_color = m.base_color * vec3(mesh.color(t, b));
+  if (material.base_color) base_color *= vec3(material.base_color.sample(mesh.uv(t, b, material.base_color.uv_set())));
+  if (m.unlit) {
+    point.is_unlit = true;
+    point.emission = base_color;
+    return point;
+  }
+  if (material.is_emissive && (!point.is_back || m.double_sided)) point.emission = emission_at(mesh, t, b);
+  point.surface = shade::surface_prepare(fetch_params(mesh, t, b, base_color), point.wo.z);
+  return point;
+}
+
+}  // namespace candela::path

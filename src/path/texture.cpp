@@ -1,0 +1,99 @@
+#include "path/texture.h"
+
+#include <cstring>
+
+namespace candela::path {
+
+namespace {
+
+/// IEC 61966-2-1.
+float srgb_to_linear(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
+
+template <class F>
+std::array<float, 256> make_table(F decode) {
+  std::array<float, 256> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) table[i] = decode(static_cast<float>(i) / 255.0f);
+  return table;
+}
+
+const float* decode_table(Encoding encoding) {
+  static const std::array<float, 256> srgb = make_table(srgb_to_linear);
+  static const std::array<float, 256> data = make_table([](float v) { return v; });
+  return encoding == Encoding::srgb ? srgb.data() : data.data();
+}
+
+}  // namespace
+
+TextureReader::TextureReader(const Scene& scene, const TextureSlot& slot, Encoding encoding) {
+  if (!slot) return;
+  const Texture& texture = scene.textures[static_cast<std::size_t>(slot.texture)];
+  const TextureImage& image = *scene.images[static_cast<std::size_t>(texture.image)];
+  pixels_ = image.pixels.data();
+  decode_ = decode_table(encoding);
+  width_ = image.width;
+  height_ = image.height;
+  is_16_bit_ = image.bits == 16;
+  encoding_ = encoding;
+  wrap_u_ = texture.wrap_u;
+  wrap_v_ = texture.wrap_v;
+  filter_ = texture.filter;
+  slot_ = slot;
+  is_identity_ = slot.transform == TextureSlot{}.transform;
+}
+
+inline vec4 TextureReader::texel(int x, int y) const {
+  const std::size_t index =
+      (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) * 4;
+  if (!is_16_bit_) {
+    const std::uint8_t* p = pixels_ + index;
+    return {decode_[p[0]], decode_[p[1]], decode_[p[2]], static_cast<float>(p[3]) * (1.0f / 255.0f)};
+  }
+  std::array<std::uint16_t, 4> p;
+  std::memcpy(p.data(), pixels_ + index * 2, sizeof p);
+  vec4 v = vec4(p[0], p[1], p[2], p[3]) * (1.0f / 65535.0f);
+  if (encoding_ == Encoding::srgb) v = {srgb_to_linear(v.x), srgb_to_linear(v.y), srgb_to_linear(v.z), v.w};
+  return v;
+}
+
+/// Into [0, 1] (repeat: [0, 1)); mirrored repeat is a triangle wave.
+inline float TextureReader::wrap_unit(float t, Wrap wrap) {
+  switch (wrap) {
+    case Wrap::repeat:
+      return t - std::floor(t);
+    case Wrap::clamp_to_edge:
+      return glm::clamp(t, 0.0f, 1.0f);
+    case Wrap::mirrored_repeat: {
+      const float m = t - 2.0f * std::floor(0.5f * t);
+      return m > 1.0f ? 2.0f - m : m;
+    }
+  }
+  return t;
+}
+
+inline int TextureReader::wrap_index(int i, int size, Wrap wrap) const {
+  if (i >= 0 && i < size) return i;
+  if (wrap == Wrap::repeat) return i < 0 ? i + size : i - size;
+  return i < 0 ? 0 : size - 1;
+}
+
+vec4 TextureReader::sample(vec2 uv) const {
+  if (!is_identity_) uv = slot_.apply(uv);
+  const float x = wrap_unit(uv.x, wrap_u_) * static_cast<float>(width_);
+  const float y = wrap_unit(uv.y, wrap_v_) * static_cast<float>(height_);
+  if (filter_ == Filter::nearest) {
+    return texel(glm::min(static_cast<int>(x), width_ - 1), glm::min(static_cast<int>(y), height_ - 1));
+  }
+  const float fx = std::floor(x - 0.5f);
+  const float fy = std::floor(y - 0.5f);
+  const float tx = x - 0.5f - fx;
+  const float ty = y - 0.5f - fy;
+  const int x0 = wrap_index(static_cast<int>(fx), width_, wrap_u_);
+  const int y0 = wrap_index(static_cast<int>(fy), height_, wrap_v_);
+  const int x1 = wrap_index(static_cast<int>(fx) + 1, width_, wrap_u_);
+  const int y1 = wrap_index(static_cast<int>(fy) + 1, height_, wrap_v_);
+  const vec4 top = texel(x0, y0) * (1.0f - tx) + texel(x1, y0) * tx;
+  const vec4 bottom = texel(x0, y1) * (1.0f - tx) + texel(x1, y1) * tx;
+  return top * (1.0f - ty) + bottom * ty;
+}
+
+}  // namespace candela::path

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "scene/scene.h"
+
+namespace candela::path {
+
+enum class Encoding { srgb, data };
+
+/// Reads one slot of a material: transforms uv, wraps, filters, decodes. Refers to the scene's own pixels (no copy).
+class TextureReader {
+ public:
+  TextureReader() = default;
+  TextureReader(const Scene& scene, const TextureSlot& slot, Encoding encoding);
+
+  explicit operator bool() const { return pixels_ != nullptr; }
+  int uv_set() const { return slot_.uv_set; }
+  ivec2 size() const { return {width_, height_}; }
+
+  /// Linear RGBA at the authored (untransformed) uv.
+  vec4 sample(vec2 uv) const;
+
+ private:
+  vec4 texel(int x, int y) const;
+  int wrap_index(int i, int size, Wrap wrap) const;
+  static float wrap_unit(float t, Wrap wrap);
+
+  const std::uint8_t* pixels_ = nullptr;
+  const float* decode_ = nullptr;  ///< 256 values for R, G and B
+  int width_ = 0;
+  int height_ = 0;
+  bool is_16_bit_ = false;
+  bool is_identity_ = true;
+  Encoding encoding_ = Encoding::data;
+  Wrap wrap_u_ = Wrap::repeat;
+  Wrap wrap_v_ = Wrap::repeat;
+  Filter filter_ = Filter::linear;
+  TextureSlot slot_;
+};
+
+}  // namespace candela::path
