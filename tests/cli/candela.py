@@ -1,0 +1,150 @@
+"""Runs the real program in a folder of its own. Needs the standard library alone.
+
+The environment variable CANDELA names the program; CANDELA_ASSETS a folder with models/ and environments/, which may
+be absent: tests that want it skip then.
+"""
+
+import dataclasses
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+PROGRAM = os.environ.get("CANDELA", "build/dev/bin/candela")
+TINY = ("--size", "16x12", "--spp", "2", "--threads", "2")
+SKIPPED = 77  # what ctest takes for "skipped"
+
+
+@dataclasses.dataclass
+class Result:
+    code: int
+    out: str
+    err: str
+
+
+class CliTest(unittest.TestCase):
+    """Each test starts in an empty folder, `self.folder`."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="candela-cli-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def run_candela(self, *arguments, timeout=120, **options):
+        done = subprocess.run(
+            [PROGRAM, *map(str, arguments)],
+            cwd=self.folder,
+            stdin=subprocess.DEVNULL,
+            stdout=options.pop("stdout", subprocess.PIPE),
+            stderr=subprocess.PIPE,
+            timeout=timeout,
+            check=False,
+            **options,
+        )
+        return Result(done.returncode, (done.stdout or b"").decode(), done.stderr.decode())
+
+    def start_candela(self, *arguments):
+        process = subprocess.Popen(
+            [PROGRAM, *map(str, arguments)],
+            cwd=self.folder,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+        self.addCleanup(self.end, process)
+        return process
+
+    @staticmethod
+    def end(process):
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+    def succeeds(self, *arguments, **options):
+        result = self.run_candela(*arguments, **options)
+        self.assertEqual(result.code, 0, result.err)
+        return result
+
+    def fails(self, *arguments, says, **options):
+        """Bad input: exit code 1, one line that says what, and no file left behind."""
+        before = sorted(self.folder.rglob("*"))
+        result = self.run_candela(*arguments, **options)
+        self.assertEqual(result.code, 1, result.err)
+        self.assertEqual(result.err.count("\n"), 1, result.err)
+        self.assertTrue(result.err.startswith("candela: "), result.err)
+        self.assertRegex(result.err, says)
+        self.assertEqual(sorted(self.folder.rglob("*")), before, "a file was left behind")
+        return result
+
+    def refuses(self, *arguments, says):
+        """Wrong usage: exit code 2, one line that says what, a hint, and no file left behind."""
+        result = self.run_candela(*arguments)
+        self.assertEqual(result.code, 2, result.err)
+        self.assertEqual(result.err.count("\n"), 2, result.err)
+        self.assertTrue(result.err.startswith("candela: "), result.err)
+        self.assertRegex(result.err.splitlines()[0], says)
+        self.assertIn("--help", result.err.splitlines()[1])
+        self.assertEqual(list(self.folder.iterdir()), [], "a file was left behind")
+        return result
+
+    def assets(self):
+        folder = pathlib.Path(os.environ.get("CANDELA_ASSETS", "/nonexistent"))
+        if not (folder / "models").is_dir():
+            self.skipTest(f"CANDELA_ASSETS ({folder}) is absent")
+        return folder
+
+    def files(self):
+        return sorted(path.name for path in self.folder.iterdir())
+
+
+def png_pixels(path):
+    """(width, height, channels, rows of bytes) of an 8-bit PNG; raises for anything that is not whole."""
+    data = pathlib.Path(path).read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", "no PNG"
+    at, packed, header, ended = 8, b"", None, False
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + size]
+        assert zlib.crc32(kind + body) == struct.unpack(">I", data[at + 8 + size : at + 12 + size])[0], "bad checksum"
+        if kind == b"IHDR":
+            header = struct.unpack(">IIBB", body[:10])
+        packed += body if kind == b"IDAT" else b""
+        ended = kind == b"IEND"
+        at += 12 + size
+    assert ended, "cut short"
+    width, height, bits, color = header
+    assert bits == 8
+    channels = {0: 1, 2: 3, 4: 2, 6: 4}[color]
+    raw, stride, rows = zlib.decompress(packed), width * channels, []
+    assert len(raw) == height * (stride + 1), "wrong size"
+    previous = bytearray(stride)
+    for y in range(height):
+        kind, *row = raw[y * (stride + 1) : (y + 1) * (stride + 1)]
+        row = bytearray(row)
+        for i in range(stride):
+            left = row[i - channels] if i >= channels else 0
+            up, corner = previous[i], previous[i - channels] if i >= channels else 0
+            row[i] = (row[i] + predict(kind, left, up, corner)) & 255
+        rows.append(bytes(row))
+        previous = row
+    return width, height, channels, rows
+
+
+def predict(kind, left, up, corner):
+    if kind == 4:  # Paeth
+        guess = left + up - corner
+        return min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
+    return (0, left, up, (left + up) // 2)[kind]
+
+
+def main():
+    """Like unittest.main, but a run in which every test was skipped says so to ctest."""
+    program = unittest.main(module="__main__", exit=False, verbosity=2)
+    result = program.result
+    if not result.wasSuccessful():
+        sys.exit(1)
+    sys.exit(SKIPPED if result.skipped and len(result.skipped) == result.testsRun else 0)

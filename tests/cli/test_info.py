@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""`candela info`: what it says about scenes and images, for readers and for machines."""
+
+import json
+import re
+import struct
+import time
+
+import candela
+from candela import CliTest, TINY
+
+
+class Info(CliTest):
+    def json_of(self, name):
+        return json.loads(self.succeeds("info", name, "--json").out)
+
+    def test_built_in_scene(self):
+        info = self.json_of("demo:spheres")
+        self.assertEqual(info["kind"], "scene")
+        self.assertGreater(info["triangles"], 0)
+        self.assertGreaterEqual(info["instanced_triangles"], info["triangles"])
+        self.assertLess(info["bounds"]["lower"][1], info["bounds"]["upper"][1])
+        text = self.succeeds("info", "demo:spheres").out
+        self.assertIn(str(info["triangles"]), text)
+
+    def test_file_has_the_numbers_of_its_json(self):
+        info = self.json_of(self.assets() / "models" / "Box" / "glTF-Binary" / "Box.glb")
+        self.assertEqual((info["meshes"], info["triangles"], info["vertices"]), (1, 12, 24))
+        self.assertEqual(info["bounds"]["upper"], [0.5, 0.5, 0.5])
+
+    def test_textures_have_sizes_and_memory(self):
+        info = self.json_of(self.assets() / "models" / "BoxTextured" / "glTF-Binary" / "BoxTextured.glb")
+        image = info["images"][0]
+        self.assertEqual((image["width"], image["height"]), (256, 256))
+        self.assertEqual(info["texture_bytes"], 256 * 256 * 4)
+
+    def test_big_file_answers_at_once(self):
+        big = self.assets() / "models" / "DamagedHelmet" / "glTF-Binary" / "DamagedHelmet.glb"
+        if not big.exists():
+            self.skipTest(f"{big.name} is absent")
+        start = time.perf_counter()
+        info = self.json_of(big)
+        self.assertLess(time.perf_counter() - start, 1.0)  # 0.1 s is the aim; decoding its images takes longer than 1 s
+        self.assertGreater(info["triangles"], 10000)
+
+    def test_extensions_and_animations(self):
+        scene = {
+            "asset": {"version": "2.0"},
+            "extensionsUsed": ["KHR_materials_ior", "VENDOR_unheard_of"],
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"name": "lonely"}],
+        }
+        (self.folder / "a.gltf").write_text(json.dumps(scene))
+        info = self.json_of("a.gltf")
+        self.assertEqual(sorted(info["extensions"]["used"]), ["KHR_materials_ior", "VENDOR_unheard_of"])
+        self.assertEqual(info["extensions"]["unsupported"], ["VENDOR_unheard_of"])
+        self.assertEqual(info["animations"], 0)
+        self.assertIn("VENDOR_unheard_of", self.succeeds("info", "a.gltf").out)
+
+    def test_image_luminance_is_exact(self):
+        # A flat RGBE picture, 2 x 1: mantissa 128 with exponent 129 is 1.0, with exponent 130 it is 2.0.
+        (self.folder / "a.hdr").write_bytes(
+            b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + bytes([128, 128, 128, 129, 128, 128, 128, 130])
+        )
+        info = self.json_of("a.hdr")
+        self.assertEqual((info["width"], info["height"], info["format"]), (2, 1, "Radiance HDR"))
+        self.assertAlmostEqual(info["luminance"]["min"], 1.0, delta=0.01)
+        self.assertAlmostEqual(info["luminance"]["max"], 2.0, delta=0.02)
+        self.assertAlmostEqual(info["luminance"]["mean"], 1.5, delta=0.015)
+
+    def test_rendered_pictures(self):
+        self.succeeds("render", "demo:spheres", *TINY, "-o", "a.png", "-o", "a.jpg", "-o", "a.hdr", "-o", "a.exr")
+        for name, kind in {"a.png": "PNG", "a.jpg": "JPEG", "a.hdr": "Radiance HDR", "a.exr": "OpenEXR"}.items():
+            info = self.json_of(name)
+            self.assertEqual((info["kind"], info["format"], info["width"], info["height"]), ("image", kind, 16, 12))
+        self.assertRegex(self.succeeds("info", "a.exr").out, r"(?m)^size +16 x 12$")
+
+    def test_bad_files(self):
+        self.fails("info", "absent.glb", says="absent.glb: no such file")
+        (self.folder / "folder").mkdir()
+        self.fails("info", "folder", says="folder")
+        (self.folder / "text.txt").write_text("hello")
+        self.fails("info", "text.txt", says="text.txt")
+
+    def test_damaged_exr_headers(self):
+        self.succeeds("render", "demo:spheres", *TINY, "-o", "a.exr")
+        whole = (self.folder / "a.exr").read_bytes()
+        for count in list(range(4, 400, 7)) + [len(whole) - 1]:
+            (self.folder / "cut.exr").write_bytes(whole[:count])
+            self.fails("info", "cut.exr", says="cut.exr")
+        # A length of four gigabytes in the first attribute.
+        at = re.search(rb"chlist\0", whole).end()
+        (self.folder / "long.exr").write_bytes(whole[:at] + struct.pack("<I", 0xFFFFFFFF) + whole[at + 4 :])
+        self.fails("info", "long.exr", says="long.exr")
+
+
+if __name__ == "__main__":
+    candela.main()

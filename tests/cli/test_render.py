@@ -1,0 +1,345 @@
+#!/usr/bin/env python3
+"""`candela render`: pictures, statistics, progress, interruption, and what bad input leaves behind."""
+
+import json
+import os
+import pty
+import re
+import signal
+import time
+
+import candela
+from candela import CliTest, TINY, png_pixels
+
+SPHERES = ("render", "demo:spheres")
+
+
+class Pictures(CliTest):
+    def test_png_has_the_size_and_something_to_see(self):
+        self.succeeds(*SPHERES, *TINY, "-o", "a.png")
+        width, height, channels, rows = png_pixels(self.folder / "a.png")
+        self.assertEqual((width, height, channels), (16, 12, 3))
+        self.assertGreater(len(set(b"".join(rows))), 16)
+        self.assertEqual(self.files(), ["a.png"])
+
+    def test_every_format_has_its_magic(self):
+        magic = {"a.png": b"\x89PNG", "a.jpg": b"\xff\xd8\xff", "a.exr": b"\x76\x2f\x31\x01", "a.hdr": b"#?RADIANCE"}
+        self.succeeds(*SPHERES, *TINY, *(word for name in magic for word in ("-o", name)))
+        for name, first in magic.items():
+            self.assertEqual((self.folder / name).read_bytes()[: len(first)], first)
+        self.assertEqual(self.files(), sorted(magic))
+
+    def test_default_name_is_the_scenes(self):
+        self.succeeds(*SPHERES, *TINY)
+        self.assertEqual(self.files(), ["spheres.png"])
+
+    def test_names_with_blanks_and_other_letters(self):
+        (self.folder / "zwei Ordner").mkdir()
+        self.succeeds(*SPHERES, *TINY, "-o", "zwei Ordner/Bild ä 画.png")
+        png_pixels(self.folder / "zwei Ordner" / "Bild ä 画.png")
+
+    def test_transparent_background_reaches_the_png(self):
+        self.succeeds(*SPHERES, *TINY, "-o", "a.png", "--background", "transparent", "--orbit", "0,60,3")
+        _, _, channels, rows = png_pixels(self.folder / "a.png")
+        self.assertEqual(channels, 4)
+        self.assertEqual(rows[0][3], 0)
+
+    def test_background_colour_is_what_was_asked(self):
+        # Seen from far away a corner is background alone; linear tone curve and exposure 0 stops keep its value.
+        self.succeeds(*SPHERES, *TINY, "-o", "a.png", "--background", "#4080c0", "--orbit", "0,60,3",
+                      "--tonemap", "linear", "--exposure", "0")  # fmt: skip
+        _, _, _, rows = png_pixels(self.folder / "a.png")
+        for found, wanted in zip(rows[0][:3], (0x40, 0x80, 0xC0)):
+            self.assertLessEqual(abs(found - wanted), 1)
+
+    def test_threads_do_not_change_a_bit(self):
+        for threads in ("1", "2"):
+            self.succeeds(*SPHERES, "--size", "40x30", "--spp", "4", "--threads", threads, "-o", threads + ".exr",
+                          "--aov", "albedo,normal,depth,position,id")  # fmt: skip
+        self.assertEqual((self.folder / "1.exr").read_bytes(), (self.folder / "2.exr").read_bytes())
+
+    def test_seed_changes_the_noise(self):
+        for seed in ("1", "2"):
+            self.succeeds(*SPHERES, *TINY, "--seed", seed, "-o", seed + ".png")
+        self.assertNotEqual(png_pixels(self.folder / "1.png"), png_pixels(self.folder / "2.png"))
+
+    def test_options_change_the_picture(self):
+        def picture(name, *options):
+            self.succeeds(*SPHERES, *TINY, "--exposure", "0", "-o", name, *options)
+            return png_pixels(self.folder / name)
+
+        plain = picture("plain.png")
+        for number, options in enumerate(
+            [
+                ["--env", "sky"],
+                ["--env-rotation", "120"],
+                ["--env-intensity", "0.5"],
+                ["--env", "sky:5"],
+                ["--bounces", "1"],
+                ["--orbit", "80,10"],
+                ["--eye", "3,3,3"],
+                ["--fov", "30deg"],
+                ["--tonemap", "agx"],
+                ["--exposure", "f/8,1/60,100"][0:0] + ["--background", "white"],
+                ["--filter", "gaussian"],
+                ["--integrator", "minimal"],
+                ["--f-number", "0.1"],
+                ["--vignetting", "1"],
+            ]
+        ):
+            with self.subTest(options=options):
+                self.assertNotEqual(picture(f"{number}.png", *options), plain)
+
+    def test_sun_elevation_is_the_sky_of_that_name(self):
+        self.succeeds(*SPHERES, *TINY, "--sun-elevation", "12", "-o", "a.png")
+        self.succeeds(*SPHERES, *TINY, "--env", "sky:12", "-o", "b.png")
+        self.assertEqual(png_pixels(self.folder / "a.png"), png_pixels(self.folder / "b.png"))
+
+    def test_negative_numbers_are_values_not_options(self):
+        self.succeeds(*SPHERES, *TINY, "-o", "a.png", "--eye", "-3,2,-3", "--target", "-0.1,0,0", "--exposure", "-1")
+        self.succeeds(*SPHERES, *TINY, "-o", "b.png", "--orbit", "-30,-10")
+
+    def test_exr_says_how_it_was_made(self):
+        self.succeeds(*SPHERES, *TINY, "-o", "a.exr", "--seed", "7", "--env", "sky", "--aov", "albedo,depth")
+        info = json.loads(self.succeeds("info", "a.exr", "--json").out)
+        self.assertEqual((info["width"], info["height"], info["format"]), (16, 12, "OpenEXR"))
+        self.assertEqual(info["layers"], ["albedo", "depth"])
+        self.assertEqual(info["metadata"]["scene"], "demo:spheres")
+        self.assertEqual(info["metadata"]["seed"], "7")
+        self.assertEqual(float(info["metadata"]["samples"]), 2.0)
+        self.assertEqual(info["metadata"]["integrator"], "full")
+        self.assertIn("sky", info["metadata"]["environment"])
+        self.assertRegex(info["metadata"]["version"], r"\d+\.\d+\.\d+")
+        self.assertIn("camera", info["metadata"])
+        self.assertGreater(info["luminance"]["mean"], 0.0)
+
+    def test_furnace_is_one_everywhere(self):
+        self.succeeds("render", "demo:furnace", *TINY, "--env", "furnace", "-o", "a.exr")
+        light = json.loads(self.succeeds("info", "a.exr", "--json").out)["luminance"]
+        self.assertLess(light["max"], 1.01)
+        self.assertGreater(light["max"], 0.99)
+
+    def test_file_cameras_by_index_and_name(self):
+        scene = self.assets() / "models" / "Cameras" / "glTF" / "Cameras.gltf"
+        self.succeeds("render", scene, *TINY, "-o", "0.png", "--camera", "0")
+        self.succeeds("render", scene, *TINY, "-o", "1.png", "--camera", "1")
+        self.succeeds("render", scene, *TINY, "-o", "default.png")
+        self.assertNotEqual(png_pixels(self.folder / "0.png"), png_pixels(self.folder / "1.png"))
+        self.assertEqual(png_pixels(self.folder / "0.png"), png_pixels(self.folder / "default.png"))
+        self.fails("render", scene, *TINY, "-o", "2.png", "--camera", "nobody", says="nobody|camera")
+
+    def test_real_environment_lights_the_scene(self):
+        environment = sorted((self.assets() / "environments").glob("*.hdr"))[0]
+        self.succeeds(*SPHERES, *TINY, "-o", "a.png", "--env", environment)
+        png_pixels(self.folder / "a.png")
+
+
+class Statistics(CliTest):
+    def check(self, stats):
+        for field in ("load_s", "build_s", "render_s", "write_s", "total_s", "cpu_s", "msamples_per_s"):
+            self.assertGreaterEqual(stats[field], 0.0, field)
+        self.assertGreaterEqual(stats["total_s"], stats["load_s"] + stats["render_s"] + stats["write_s"])
+        self.assertEqual((stats["width"], stats["height"], stats["spp"]), (16, 12, 2))
+        self.assertEqual(stats["scene"], "demo:spheres")
+        self.assertEqual(stats["samples"], 16 * 12 * 2)
+        self.assertEqual(stats["rays"]["camera"], 16 * 12 * 2)
+        self.assertGreater(stats["rays"]["bounce"] + stats["rays"]["shadow"], 0)
+        self.assertEqual(stats["non_finite_samples"], 0)
+        self.assertEqual(stats["threads"], 2)
+        self.assertGreater(stats["triangles"], 0)
+        self.assertGreater(stats["instances"], 0)
+        self.assertGreater(stats["peak_rss_mb"], 1.0)
+        self.assertEqual(stats["warnings"], [])
+        self.assertRegex(stats["version"], r"\d+\.\d+\.\d+")
+
+    def test_stats_file_has_every_field(self):
+        self.succeeds(*SPHERES, *TINY, "-o", "a.png", "--stats", "s.json")
+        self.check(json.loads((self.folder / "s.json").read_text()))
+        self.assertEqual(self.files(), ["a.png", "s.json"])
+
+    def test_stats_to_standard_output(self):
+        self.check(json.loads(self.succeeds(*SPHERES, *TINY, "-o", "a.png", "--stats", "-").out))
+
+    def test_stats_to_a_full_device(self):
+        with open("/dev/full", "wb") as full:
+            result = self.run_candela(*SPHERES, *TINY, "-o", "a.png", "--stats", "-", "--quiet", stdout=full)
+        self.assertEqual(result.code, 1)
+        self.assertIn("standard output", result.err)
+
+    def test_noise_stop_takes_fewer_samples(self):
+        self.succeeds(*SPHERES, "--size", "16x12", "--spp", "256", "--noise", "0.5", "-o", "a.png", "--stats", "s.json")
+        self.assertLess(json.loads((self.folder / "s.json").read_text())["spp"], 256)
+
+    def test_time_stop_ends_in_time(self):
+        start = time.monotonic()
+        self.succeeds(*SPHERES, "--size", "64x48", "--time", "500ms", "-o", "a.png", "--stats", "s.json")
+        self.assertLess(time.monotonic() - start, 30.0)  # without the stop: 65536 samples, minutes
+        self.assertLess(json.loads((self.folder / "s.json").read_text())["spp"], 65536)
+
+
+class Messages(CliTest):
+    def test_quiet_says_nothing(self):
+        result = self.succeeds(*SPHERES, *TINY, "-o", "a.png", "-o", "b.exr", "--exposure", "1", "--quiet")
+        self.assertEqual((result.out, result.err), ("", ""))
+
+    def test_plain_progress_has_a_final_line_and_no_control_characters(self):
+        result = self.succeeds(*SPHERES, *TINY, "-o", "a.png")
+        self.assertEqual(result.out, "")
+        self.assertNotIn("\r", result.err)
+        self.assertNotIn("\x1b", result.err)
+        self.assertRegex(result.err.splitlines()[-1], r"a\.png: 16x12, 2 samples per pixel")
+
+    def test_terminal_gets_a_live_bar(self):
+        master, slave = pty.openpty()
+        process = candela.subprocess.Popen(
+            [candela.PROGRAM, *SPHERES, "--size", "64x48", "--time", "1s", "-o", "a.png"],
+            cwd=self.folder, stderr=slave, env={**os.environ, "TERM": "xterm"})  # fmt: skip
+        os.close(slave)
+        seen = b""
+        while True:
+            try:
+                block = os.read(master, 4096)
+            except OSError:  # Linux says so when the other end is closed
+                break
+            if not block:
+                break
+            seen += block
+        os.close(master)
+        self.assertEqual(process.wait(), 0)
+        self.assertRegex(seen.decode(), r"\r\[[#.]+\] +\d+ %  \d+ spp  [\d.]+ Msamples/s")
+        self.assertRegex(seen.decode().split("\r\x1b[K")[-1], r"^a\.png: 64x48")
+
+    def test_warnings_and_strict(self):
+        options = (*SPHERES, *TINY, "-o", "a.exr", "--exposure", "1")
+        result = self.succeeds(*options)
+        self.assertRegex(result.err, r"(?m)^warning: a\.exr: .*no effect")
+        (self.folder / "a.exr").unlink()
+        self.fails(*options, "--quiet", "--strict", says="no effect.*--strict")
+
+
+class Interruption(CliTest):
+    LONG = (*SPHERES, "--size", "64x48", "--spp", "1000000", "--threads", "2")
+
+    def wait_for_start(self, process):
+        """Until the handler stands, which the program's own signal mask shows."""
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline and process.poll() is None:
+            with open(f"/proc/{process.pid}/status", encoding="ascii") as status:
+                caught = int(re.search(r"SigCgt:\s*(\w+)", status.read()).group(1), 16)
+            if caught & (1 << (signal.SIGINT - 1)):
+                time.sleep(1.0)  # and some samples are there
+                return
+            time.sleep(0.02)
+        self.fail("rendering did not start: " + process.communicate()[1].decode())
+
+    def test_first_signal_writes_what_is_done(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(signal=number):
+                process = self.start_candela(*self.LONG, "-o", "a.png", "--stats", "s.json")
+                self.wait_for_start(process)
+                process.send_signal(number)
+                _, err = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, 0, err)
+                self.assertIn("interrupted", err.decode())
+                png_pixels(self.folder / "a.png")
+                stats = json.loads((self.folder / "s.json").read_text())
+                self.assertTrue(stats["interrupted"])
+                self.assertLess(stats["spp"], 1000000)
+                self.assertEqual(self.files(), ["a.png", "s.json"])
+
+    def test_long_render_refreshes_its_file(self):
+        process = self.start_candela(*self.LONG, "-o", "a.png")
+        deadline = time.monotonic() + 60
+        while not (self.folder / "a.png").exists() and time.monotonic() < deadline:
+            self.assertIsNone(process.poll())
+            time.sleep(0.1)
+        png_pixels(self.folder / "a.png")  # whole, while the render goes on
+        self.assertIsNone(process.poll())
+
+
+class BadInput(CliTest):
+    def test_missing_scene(self):
+        self.fails("render", "nowhere.glb", "-o", "a.png", says=r"nowhere\.glb: no such file")
+
+    def test_folder_for_a_scene(self):
+        (self.folder / "folder.glb").mkdir()
+        self.fails("render", "folder.glb", "-o", "a.png", says="folder.glb")
+
+    def test_unknown_demo(self):
+        self.fails("render", "demo:teapot", "-o", "a.png", says="teapot")
+
+    def test_damaged_scenes(self):
+        damaged = {
+            "empty.glb": b"",
+            "text.gltf": b"this is no JSON",
+            "array.gltf": b"[]",
+            "version.gltf": b'{"asset":{"version":"1.0"}}',
+            "short.glb": b"glTF\x02\x00\x00\x00\xff\xff\xff\x7f",
+            "header.glb": b"glTF\x02\x00",
+        }
+        for name, content in damaged.items():
+            with self.subTest(name=name):
+                (self.folder / name).write_bytes(content)
+                self.fails("render", name, "-o", "a.png", says=re.escape(name))
+
+    def test_truncated_glb_at_many_places(self):
+        whole = (self.assets() / "models" / "Box" / "glTF-Binary" / "Box.glb").read_bytes()
+        for count in range(0, len(whole) - 1, max(1, len(whole) // 24)):
+            with self.subTest(bytes=count):
+                (self.folder / "cut.glb").write_bytes(whole[:count])
+                self.fails("render", "cut.glb", "-o", "a.png", says="cut.glb")
+
+    def test_environment_that_is_no_image(self):
+        (self.folder / "env.hdr").write_bytes(b"no image at all")
+        self.fails(*SPHERES, *TINY, "--env", "env.hdr", "-o", "a.png", says="env.hdr")
+        self.fails(*SPHERES, *TINY, "--env", "absent.exr", "-o", "a.png", says="absent.exr")
+
+    def test_unknown_camera(self):
+        self.fails(*SPHERES, *TINY, "--camera", "nobody", "-o", "a.png", says="nobody|camera")
+        self.fails(*SPHERES, *TINY, "--camera", "999", "-o", "a.png", says="999|camera")
+
+    def test_camera_inside_its_target(self):
+        self.fails(*SPHERES, *TINY, "--eye", "1,2,3", "--target", "1,2,3", "-o", "a.png", says="--eye")
+
+    def test_lens_options_without_an_aperture(self):
+        self.fails(*SPHERES, *TINY, "--blades", "6", "-o", "a.png", says="--blades")
+        self.fails(*SPHERES, *TINY, "--focus-distance", "2", "-o", "a.png", says="--focus-distance")
+
+    def test_output_is_judged_before_the_work(self):
+        """A missing scene would be found first if the output were looked at last."""
+        (self.folder / "folder.png").mkdir()
+        for output, says in {
+            "nowhere/a.png": "nowhere.*does not exist",
+            "/proc/a.png": "cannot write|does not exist|not permitted",
+            "folder.png": "folder.png",
+        }.items():
+            with self.subTest(output=output):
+                self.fails("render", "absent.glb", "-o", output, says=says)
+                self.fails("render", "absent.glb", "-o", "good.png", "--stats", output.replace(".png", ".json"),
+                           says="absent.glb" if output == "folder.png" else says)  # fmt: skip
+
+    def test_devices_are_not_replaced_by_files(self):
+        os.mkfifo(self.folder / "pipe.png")
+        self.fails(*SPHERES, *TINY, "-o", "pipe.png", says="not a regular file")
+        self.fails(*SPHERES, *TINY, "-o", "a.png", "--stats", "/dev/full", says="not a regular file")
+
+    def test_inputs_are_not_overwritten(self):
+        self.succeeds(*SPHERES, "--size", "16x8", "--spp", "2", "-o", "env.exr", "--quiet")
+        before = (self.folder / "env.exr").read_bytes()
+        self.fails(*SPHERES, *TINY, "--env", "env.exr", "-o", "./env.exr", says="input")
+        self.assertEqual((self.folder / "env.exr").read_bytes(), before)
+
+    def test_failure_keeps_an_older_picture(self):
+        (self.folder / "a.png").write_bytes(b"older")
+        self.fails("render", "nowhere.glb", "-o", "a.png", says="no such file")
+        self.assertEqual((self.folder / "a.png").read_bytes(), b"older")
+
+    def test_unwritable_folder(self):
+        if os.geteuid() == 0:
+            self.skipTest("root may write everywhere")
+        (self.folder / "locked").mkdir(mode=0o500)
+        self.fails(*SPHERES, *TINY, "-o", "locked/a.png", says="cannot write")
+
+
+if __name__ == "__main__":
+    candela.main()

@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""The command line itself: help, version, exit codes, what an option may be."""
+
+import subprocess
+import time
+import unittest
+
+import candela
+from candela import CliTest, PROGRAM
+
+
+class Usage(CliTest):
+    def test_version_is_one_line(self):
+        self.assertRegex(self.succeeds("--version").out, r"\Acandela \d+\.\d+\.\d+\n\Z")
+
+    def test_help_names_the_verbs(self):
+        text = self.succeeds("--help").out
+        self.assertIn("render", text)
+        self.assertIn("info", text)
+
+    def test_render_help_has_every_option_examples_and_scenes(self):
+        text = self.succeeds("render", "--help").out
+        for option in (
+            "--output --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
+            "--target --fov --f-number --focus-distance --blades --vignetting --env --sun-elevation --env-rotation "
+            "--env-intensity --background --exposure --tonemap --aov --stats --quiet --strict --engine"
+        ).split():
+            self.assertIn(option, text)
+        self.assertIn("candela render demo:materials -o", text)
+        self.assertIn("demo:spheres", text)
+        self.assertIn("Exit codes", text)
+
+    def test_start_takes_little_time(self):
+        def seconds():
+            start = time.perf_counter()
+            subprocess.run([PROGRAM, "--version"], stdout=subprocess.DEVNULL, check=True)
+            return time.perf_counter() - start
+
+        # 30 ms is the aim; sanitizers and busy machines get room, a library that takes half a second does not.
+        self.assertLess(min(seconds() for _ in range(5)), 0.3)
+
+    def test_no_verb(self):
+        self.refuses(says="no verb")
+
+    def test_unknown_verb(self):
+        self.refuses("redner", "a.glb", says="redner")
+
+    def test_missing_scene(self):
+        self.refuses("render", says="SCENE")
+        self.refuses("info", says="FILE")
+
+    def test_unknown_option(self):
+        self.refuses("render", "demo:spheres", "--sppp", "3", says="--sppp")
+        self.refuses("info", "demo:spheres", "--size", "1x1", says="--size")
+
+    def test_options_of_other_versions_are_not_taken_silently(self):
+        for option in (["--denoise"], ["--frame-time", "1.5s"]):
+            self.refuses("render", "demo:spheres", *option, says=option[0])
+        self.refuses("render", "demo:spheres", "--engine", "raster", says="raster.*not part of this version")
+
+    def test_repeated_option(self):
+        self.refuses("render", "demo:spheres", "--spp", "3", "--spp", "4", says="--spp")
+
+    def test_wrong_values_name_the_option(self):
+        wrong = {
+            "--size": ["0x10", "10", "10x", "x10", "10x0", "-5x5", "16385x1", "1x16385", "1e3x5", "10x10x10", "axb", ""],
+            "--spp": ["0", "-1", "1.5", "nan", "many", "99999999999", ""],
+            "--time": ["0", "-1s", "5 parsecs", "nan", "inf", "s", "1e400"],
+            "--noise": ["0", "-0.1", "nan", "2", "x"],
+            "--bounces": ["-1", "1.5", "5000", "x"],
+            "--threads": ["-1", "two", "1.5"],
+            "--seed": ["-1", "x", "4294967296"],
+            "--fov": ["0", "180", "-20", "200deg", "nan", "45grad"],
+            "--orbit": ["10", "10,95", "1,2,0", "1,2,-1", "1,2,3,4", "a,b", "nan,0", "1,,2"],
+            "--eye": ["1,2", "1,2,x", "1,2,3,4", "inf,0,0", "1e39,0,0"],
+            "--exposure": ["bright", "nan", "f/8,1/125"],
+            "--tonemap": ["filmic", ""],
+            "--background": ["#12345", "#gggggg", "1,2", "mauve", "-1,0,0", "nan,0,0"],
+            "--aov": ["colour", "albedo,,normal", ""],
+            "--filter": ["mitchell"],
+            "--integrator": ["bidirectional"],
+            "--engine": ["magic"],
+            "--f-number": ["0", "-2", "nan"],
+            "--focus-distance": ["0", "-1", "near", "2ft"],
+            "--blades": ["-1", "1.5"],
+            "--vignetting": ["-0.1", "1.1", "nan"],
+            "--env-intensity": ["-1", "inf", "nan"],
+            "--env-rotation": ["north", "nan"],
+            "--sun-elevation": ["91", "-91", "noon"],
+        }
+        for option, values in wrong.items():
+            for value in values:
+                with self.subTest(option=option, value=value):
+                    self.refuses("render", "demo:spheres", option, value, says=option)
+
+    def test_option_without_value(self):
+        self.refuses("render", "demo:spheres", "--spp", says="--spp")
+
+    def test_combinations_that_contradict(self):
+        scene = ("render", "demo:spheres")
+        self.refuses(*scene, "--orbit", "1,2", "--eye", "1,2,3", says="--orbit|--eye")
+        self.refuses(*scene, "--camera", "0", "--orbit", "1,2", says="--camera|--orbit")
+        self.refuses(*scene, "--target", "1,2,3", says="--eye")
+        self.refuses(*scene, "--env", "studio", "--sun-elevation", "20", says="--sun-elevation")
+        self.refuses(*scene, "--aov", "albedo", "-o", "a.png", says="--aov.*exr")
+        self.refuses(*scene, "-o", "a.png", "-o", "./a.png", says="twice")
+        self.refuses(*scene, "-o", "a.png", "--stats", "a.png", says="--stats")
+
+    def test_output_with_an_unknown_extension(self):
+        for name in ("a.gif", "a", "a.PNG.txt", ".png"):
+            with self.subTest(name=name):
+                self.refuses("render", "demo:spheres", "-o", name, says="output")
+
+    def test_terminal_control_characters_are_not_echoed(self):
+        result = self.run_candela("render", "\x1b[31mred\nline.glb")
+        self.assertEqual(result.code, 1)
+        self.assertNotIn("\x1b", result.err)
+        self.assertEqual(result.err.count("\n"), 1)
+
+    def test_full_standard_output_is_an_error(self):
+        for arguments in (["--help"], ["--version"], ["info", "demo:spheres"], ["render", "--help"]):
+            with self.subTest(arguments=arguments), open("/dev/full", "wb") as full:
+                result = self.run_candela(*arguments, stdout=full)
+                self.assertEqual(result.code, 1, result.err)
+                self.assertRegex(result.err, "standard output")
+
+
+if __name__ == "__main__":
+    candela.main()
