@@ -1,1 +1,265 @@
-// to be written
+#include "image/develop.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "image/image_file.h"
+#include "shade/color.glsl.h"
+#include "shade/tonemap.glsl.h"
+
+namespace candela {
+
+namespace {
+
+constexpr std::array<std::pair<ToneCurve, std::string_view>, 6> kToneCurveNames{
+    {{ToneCurve::pbr_neutral, "pbr-neutral"},
+     {ToneCurve::agx, "agx"},
+     {ToneCurve::aces, "aces"},
+     {ToneCurve::reinhard, "reinhard"},
+     {ToneCurve::exponential, "exponential"},
+     {ToneCurve::linear, "linear"}}};
+
+/// sRGB encoding times 255, as a table of straight lines: 256 per octave from 2^-9, which is below the curve's own
+/// straight part. Off by less than 1.3e-4 of a code value (second-order error of x^(1/2.4) over 1/256 of an octave).
+class SrgbEncoder {
+ public:
+  SrgbEncoder() {
+    for (std::uint32_t i = 0; i < lines_.size(); ++i) {
+      const float low = exact(value_at(i));
+      lines_[i] = {low, (exact(value_at(i + 1)) - low) / static_cast<float>(1u << kFractionBits)};
+    }
+  }
+
+  /// `linear` in [0, 1] → [0, 255]; 0 and 1 come out exact.
+  float operator()(float linear) const {
+    if (linear <= 0.0031308f) return linear * (12.92f * 255.0f);
+    if (linear >= 1.0f) return 255.0f;
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(linear) - kFirst;
+    const Line line = lines_[bits >> kFractionBits];
+    return std::min(line.start + line.slope * static_cast<float>(bits & ((1u << kFractionBits) - 1)), 255.0f);
+  }
+
+ private:
+  struct Line {
+    float start, slope;
+  };
+  static constexpr std::uint32_t kFractionBits = 15;  // 23 mantissa bits less the 8 that choose the line
+  static constexpr std::uint32_t kFirst = (127 - 9) << 23;
+  static float value_at(std::uint32_t i) { return std::bit_cast<float>(kFirst + (i << kFractionBits)); }
+  static float exact(float linear) { return 255.0f * shade::srgb_encode_channel(linear); }
+
+  std::array<Line, 9 * 256> lines_;
+};
+
+/// Rounding offset of a pixel in [0, 1), equidistributed over any neighbourhood: the plastic-number lattice folded to a
+/// triangle (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences", dithering mask). Integers, so
+/// that every machine gives the same bytes; 16 bits, so that 255 + offset stays below 256 in single precision.
+float dither_offset(std::uint32_t x, std::uint32_t y) {
+  const std::uint32_t z = x * 3242174889u + y * 2447445414u;  // 2^32 / 1.3247…, 2^32 / 1.3247…²
+  const std::uint32_t folded = z < 0x80000000u ? z << 1 : ~z << 1;
+  return static_cast<float>(folded >> 16) * 0x1p-16f;
+}
+
+std::uint8_t code(float encoded, float offset) { return static_cast<std::uint8_t>(encoded + offset); }
+float positive(float v) { return v > 0.0f ? v : 0.0f; }  // NaN becomes 0
+
+template <shade::vec3 (*Curve)(shade::vec3)>
+void develop_row(const Image& beauty, int y, float exposure, bool dither, const SrgbEncoder& encode,
+                 std::uint8_t* out) {
+  for (int x = 0; x < beauty.width; ++x, out += 4) {
+    const float* p = beauty.pixels.data() + beauty.index(x, y);
+    const float alpha = beauty.channels == 4 ? std::min(positive(p[3]), 1.0f) : 1.0f;
+    out[3] = static_cast<std::uint8_t>(alpha * 255.0f + 0.5f);
+    const vec3 rgb = beauty.rgb(x, y);
+    if (max_component(rgb) == kInfinity) {
+      out[0] = out[1] = out[2] = 255;
+      continue;
+    }
+    const float scale = alpha > 0.0f ? exposure / alpha : 0.0f;
+    const vec3 shown = Curve(vec3(positive(rgb.x), positive(rgb.y), positive(rgb.z)) * scale);
+    // One offset for the three channels keeps greys grey.
+    const float offset = dither ? dither_offset(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)) : 0.5f;
+    out[0] = code(encode(shown.x), offset);
+    out[1] = code(encode(shown.y), offset);
+    out[2] = code(encode(shown.z), offset);
+  }
+}
+
+using RowFunction = void (*)(const Image&, int, float, bool, const SrgbEncoder&, std::uint8_t*);
+
+RowFunction row_function(ToneCurve curve) {
+  switch (curve) {
+    case ToneCurve::pbr_neutral:
+      return develop_row<shade::tone_pbr_neutral>;
+    case ToneCurve::agx:
+      return develop_row<shade::tone_agx>;
+    case ToneCurve::aces:
+      return develop_row<shade::tone_aces>;
+    case ToneCurve::reinhard:
+      return develop_row<shade::tone_reinhard>;
+    case ToneCurve::exponential:
+      return develop_row<shade::tone_exponential>;
+    case ToneCurve::linear:
+      break;
+  }
+  return develop_row<shade::tone_linear>;
+}
+
+// ----- exposure as text
+
+/// The whole of `text` as a finite number.
+std::optional<float> parse_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  float value = 0.0f;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+/// "1/125" or "0.008"
+std::optional<float> parse_seconds(std::string_view text) {
+  const std::size_t slash = text.find('/');
+  if (slash == std::string_view::npos) return parse_number(text);
+  const auto above = parse_number(text.substr(0, slash));
+  const auto below = parse_number(text.substr(slash + 1));
+  if (!above || !below) return std::nullopt;
+  return *above / *below;
+}
+
+/// 1 / (1.2 · 2^EV100) with 2^EV100 = N² / t · 100 / S. Lagarde & de Rousiers 2014, "Moving Frostbite to PBR", §5.1.2.
+std::optional<float> exposure_of_camera(std::string_view text) {
+  const std::size_t first = text.find(',');
+  const std::size_t second = text.find(',', first + 1);
+  if (!text.starts_with("f/") || first == std::string_view::npos || second == std::string_view::npos)
+    return std::nullopt;
+  const auto aperture = parse_number(text.substr(2, first - 2));
+  const auto seconds = parse_seconds(text.substr(first + 1, second - first - 1));
+  const auto iso = parse_number(text.substr(second + 1));
+  if (!aperture || !seconds || !iso || !(*aperture > 0.0f) || !(*seconds > 0.0f) || !(*iso > 0.0f)) return std::nullopt;
+  return 1.0f / (1.2f * (*aperture * *aperture / *seconds * (100.0f / *iso)));
+}
+
+// ----- metering
+
+struct MeterPixel {
+  float luminance;
+  float weight;
+};
+
+/// Straight luminance and coverage of every pixel that shows light.
+std::vector<MeterPixel> lit_pixels(const Image& beauty) {
+  std::vector<MeterPixel> lit;
+  lit.reserve(beauty.pixels.size() / static_cast<std::size_t>(std::max(beauty.channels, 1)));
+  for (int y = 0; y < beauty.height; ++y) {
+    for (int x = 0; x < beauty.width; ++x) {
+      const float alpha = beauty.channels == 4 ? std::min(beauty.at(x, y)[3], 1.0f) : 1.0f;
+      const float l = luminance(beauty.rgb(x, y)) / alpha;
+      if (alpha > 0.0f && l > 0.0f && std::isfinite(l)) lit.push_back({l, alpha});
+    }
+  }
+  return lit;
+}
+
+std::string extension_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+}  // namespace
+
+ToneCurve parse_tone_curve(std::string_view name) {
+  std::string known;
+  for (const auto& [value, text] : kToneCurveNames) {
+    if (text == name) return value;
+    known += known.empty() ? "" : ", ";
+    known += text;
+  }
+  throw Error("unknown tone curve \"" + std::string(name) + "\" (known: " + known + ")");
+}
+
+std::string_view tone_curve_name(ToneCurve curve) {
+  for (const auto& [value, name] : kToneCurveNames)
+    if (value == curve) return name;
+  return {};
+}
+
+std::optional<float> parse_exposure(std::string_view text) {
+  if (text == "auto") return std::nullopt;
+  const auto stops = parse_number(text);
+  const std::optional<float> exposure = stops ? std::exp2(*stops) : exposure_of_camera(text);
+  if (!exposure || !(*exposure > 0.0f) || !std::isfinite(*exposure))
+    throw Error("exposure \"" + std::string(text) +
+                "\" is neither \"auto\", nor stops such as -1.5, nor a camera such as f/8,1/125,100");
+  return exposure;
+}
+
+float metered_exposure(const Film& film) {
+  const std::vector<MeterPixel> lit = lit_pixels(film.beauty);
+  if (lit.empty()) return 1.0f;
+
+  // ----- limits of the darkest and brightest 1 %
+  std::vector<float> sorted(lit.size());
+  std::transform(lit.begin(), lit.end(), sorted.begin(), [](MeterPixel p) { return p.luminance; });
+  const std::size_t trimmed = lit.size() / 100;
+  const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(trimmed);
+  const auto high = sorted.end() - 1 - static_cast<std::ptrdiff_t>(trimmed);
+  std::nth_element(sorted.begin(), low, sorted.end());
+  std::nth_element(low, high, sorted.end());
+  const float darkest = *low, brightest = *high;
+
+  // ----- log average; pixels equal to a limit stay, so that a flat picture keeps its pixels
+  double sum = 0.0, weight = 0.0;
+  for (const MeterPixel& p : lit) {
+    if (p.luminance < darkest || p.luminance > brightest) continue;
+    sum += static_cast<double>(p.weight) * static_cast<double>(std::log2(p.luminance));
+    weight += static_cast<double>(p.weight);
+  }
+  const double exposure = 0.18 * std::exp2(-sum / weight);
+  return static_cast<float>(std::clamp(exposure, 1e-30, 1e30));
+}
+
+DisplayImage develop(const Film& film, const DevelopSettings& settings) {
+  const Image& beauty = film.beauty;
+  DisplayImage image;
+  image.width = beauty.width;
+  image.height = beauty.height;
+  image.rgba.resize(static_cast<std::size_t>(beauty.width) * static_cast<std::size_t>(beauty.height) * 4);
+
+  const float exposure = settings.exposure ? *settings.exposure : metered_exposure(film);
+  const RowFunction row = row_function(settings.tone_curve);
+  const SrgbEncoder encode;
+  const std::size_t row_bytes = static_cast<std::size_t>(beauty.width) * 4;
+  parallel_for(0, static_cast<std::size_t>(beauty.height), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y)
+      row(beauty, static_cast<int>(y), exposure, settings.dither, encode, image.rgba.data() + y * row_bytes);
+  });
+  return image;
+}
+
+void check_output_extension(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path);
+  for (const char* known : {".png", ".jpg", ".jpeg", ".hdr", ".exr"})
+    if (extension == known) return;
+  throw Error("unknown picture extension \"" + extension + "\" (known: .png, .jpg, .jpeg, .hdr, .exr)", path.string());
+}
+
+void write_film(const std::filesystem::path& path, const Film& film, const DevelopSettings& settings) {
+  check_output_extension(path);
+  const std::string extension = extension_of(path);
+  if (extension == ".exr") return write_exr(path, film);
+  if (extension == ".hdr") return write_hdr(path, film.beauty);
+  const DisplayImage image = develop(film, settings);
+  return extension == ".png" ? write_png(path, image) : write_jpeg(path, image);
+}
+
+}  // namespace candela

@@ -1,1 +1,36 @@
-// to be written
+#include "image/film.h"
+
+#include <array>
+#include <utility>
+
+#include "base/error.h"
+
+namespace candela {
+
+namespace {
+
+constexpr std::array<std::pair<Layer, std::string_view>, 5> kLayerNames{{{Layer::albedo, "albedo"},
+                                                                         {Layer::normal, "normal"},
+                                                                         {Layer::depth, "depth"},
+                                                                         {Layer::position, "position"},
+                                                                         {Layer::object_id, "id"}}};
+
+}  // namespace
+
+std::string_view layer_name(Layer layer) {
+  for (const auto& [value, name] : kLayerNames)
+    if (value == layer) return name;
+  return {};
+}
+
+Layer parse_layer(std::string_view name) {
+  std::string known;
+  for (const auto& [value, text] : kLayerNames) {
+    if (text == name) return value;
+    known += known.empty() ? "" : ", ";
+    known += text;
+  }
+  throw Error("unknown layer \"" + std::string(name) + "\" (known: " + known + ")");
+}
+
+}  // namespace candela

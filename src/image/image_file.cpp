@@ -1,1 +1,122 @@
-// to be written
+#include "image/image_file.h"
+
+#include <cstring>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "image/codec.h"
+#include "shade/color.glsl.h"
+
+namespace candela {
+
+namespace {
+
+bool starts_with(std::span<const std::byte> bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+}
+
+const char* format_name(ImageFormat format) {
+  switch (format) {
+    case ImageFormat::png:
+      return "PNG";
+    case ImageFormat::jpeg:
+      return "JPEG";
+    case ImageFormat::hdr:
+      return "Radiance HDR";
+    case ImageFormat::exr:
+      return "OpenEXR";
+    case ImageFormat::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+template <class Code>
+void decode_rows(const TextureImage& texture, const std::vector<float>& linear_of_code, Image& image) {
+  const auto width = static_cast<std::size_t>(texture.width);
+  const float alpha_scale = 1.0f / static_cast<float>(linear_of_code.size() - 1);
+  const auto code_at = [&](std::size_t i) {
+    Code code;
+    std::memcpy(&code, texture.pixels.data() + i * sizeof(Code), sizeof(Code));
+    return code;
+  };
+  parallel_for(0, static_cast<std::size_t>(texture.height), 32, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t pixel = begin * width; pixel < end * width; ++pixel) {
+      float* out = image.pixels.data() + pixel * static_cast<std::size_t>(image.channels);
+      const float alpha = static_cast<float>(code_at(pixel * 4 + 3)) * alpha_scale;
+      for (std::size_t c = 0; c < 3; ++c) out[c] = linear_of_code[code_at(pixel * 4 + c)] * alpha;
+      if (image.channels == 4) out[3] = alpha;
+    }
+  });
+}
+
+/// sRGB codes to linear light, alpha premultiplied.
+Image linear_image(const TextureImage& texture) {
+  std::vector<float> linear_of_code(texture.bits == 16 ? 65536 : 256);
+  const float scale = 1.0f / static_cast<float>(linear_of_code.size() - 1);
+  for (std::size_t i = 0; i < linear_of_code.size(); ++i)
+    linear_of_code[i] = shade::srgb_decode_channel(static_cast<float>(i) * scale);
+
+  Image image(texture.width, texture.height, texture.has_alpha ? 4 : 3);
+  if (texture.bits == 16)
+    decode_rows<std::uint16_t>(texture, linear_of_code, image);
+  else
+    decode_rows<std::uint8_t>(texture, linear_of_code, image);
+  return image;
+}
+
+}  // namespace
+
+ImageFormat sniff_image_format(std::span<const std::byte> bytes) {
+  if (starts_with(bytes, "\x89PNG\r\n\x1a\n")) return ImageFormat::png;
+  if (starts_with(bytes, "\xff\xd8\xff")) return ImageFormat::jpeg;
+  if (starts_with(bytes, "#?RADIANCE") || starts_with(bytes, "#?RGBE")) return ImageFormat::hdr;
+  if (starts_with(bytes, "\x76\x2f\x31\x01")) return ImageFormat::exr;
+  return ImageFormat::unknown;
+}
+
+ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where) {
+  switch (const ImageFormat format = sniff_image_format(bytes)) {
+    case ImageFormat::png:
+      return codec::png_size(bytes, where);
+    case ImageFormat::jpeg:
+      return codec::jpeg_size(bytes, where);
+    default:
+      throw Error(std::string("expected a PNG or JPEG image, found ") + format_name(format), where);
+  }
+}
+
+TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where) {
+  switch (const ImageFormat format = sniff_image_format(bytes)) {
+    case ImageFormat::png:
+      return codec::decode_png(bytes, where);
+    case ImageFormat::jpeg:
+      return codec::decode_jpeg(bytes, where);
+    default:
+      throw Error(std::string("expected a PNG or JPEG image, found ") + format_name(format), where);
+  }
+}
+
+Image read_image(const std::filesystem::path& path, const std::string& layer) {
+  const std::string where = path.string();
+  const std::vector<std::byte> bytes = read_file(path);
+  const ImageFormat format = sniff_image_format(bytes);
+  if (!layer.empty() && format != ImageFormat::exr)
+    throw Error("layer \"" + layer + "\" asked for, but only OpenEXR files have layers", where);
+  switch (format) {
+    case ImageFormat::png:
+      return linear_image(codec::decode_png(bytes, where));
+    case ImageFormat::jpeg:
+      return linear_image(codec::decode_jpeg(bytes, where));
+    case ImageFormat::hdr:
+      return codec::decode_hdr(bytes, where);
+    case ImageFormat::exr:
+      return codec::decode_exr(bytes, layer, where);
+    case ImageFormat::unknown:
+      break;
+  }
+  throw Error("not an image (PNG, JPEG, Radiance HDR and OpenEXR are known)", where);
+}
+
+}  // namespace candela

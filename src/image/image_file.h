@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 
@@ -23,6 +24,9 @@ TextureImage decode_texture(std::span<const std::byte> bytes, const std::string&
 /// Reads a linear image: Radiance .hdr, OpenEXR (RGB/RGBA/Y of the first part, or of `layer`), PNG/JPEG (sRGB decoded).
 /// The result has 3 channels, or 4 where the file has alpha; PNG/JPEG alpha is premultiplied on the way in.
 Image read_image(const std::filesystem::path& path, const std::string& layer = {});
+
+/// Every string attribute of an OpenEXR file's first header, by name. Throws Error.
+std::map<std::string, std::string> read_exr_metadata(const std::filesystem::path& path);
 
 /// Radiance RGBE, run-length coded; negative values are clamped to 0. Alpha is dropped.
 void write_hdr(const std::filesystem::path& path, const Image& image);

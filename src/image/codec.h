@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "image/image.h"
+
+// What image_file.cpp dispatches to, one file per format. Private to this folder. All throw Error(…, where).
+namespace candela::codec {
+
+/// Largest side of a texture; what every current GPU accepts.
+inline constexpr int kMaxTextureSize = 16384;
+/// Largest side of a linear image.
+inline constexpr int kMaxImageSize = 32768;
+/// Most memory that the pixels of one decoded image may take; larger ones are refused before anything is allocated.
+inline constexpr std::uint64_t kMaxTextureBytes = std::uint64_t{1} << 30;
+inline constexpr std::uint64_t kMaxImageBytes = std::uint64_t{1} << 31;
+
+ivec2 png_size(std::span<const std::byte> bytes, const std::string& where);
+ivec2 jpeg_size(std::span<const std::byte> bytes, const std::string& where);
+TextureImage decode_png(std::span<const std::byte> bytes, const std::string& where);
+TextureImage decode_jpeg(std::span<const std::byte> bytes, const std::string& where);
+Image decode_hdr(std::span<const std::byte> bytes, const std::string& where);
+Image decode_exr(std::span<const std::byte> bytes, const std::string& layer, const std::string& where);
+
+}  // namespace candela::codec
