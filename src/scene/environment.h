@@ -7,9 +7,13 @@
 
 namespace candela {
 
-/// Built in: "studio", "sky" or "sky:ELEVATION" (degrees of the sun above the horizon, default 35), "furnace" (1 everywhere),
-/// "none". Anything else is a file: equirectangular .hdr or .exr (or .png/.jpg, sRGB decoded). Throws Error where it is
-/// no image, has a non-finite or negative pixel, or is not about twice as wide as high.
+/// Built in: "studio", "sky" or "sky:ELEVATION" (degrees of the sun above the horizon, -5 to 90, default 35), "furnace"
+/// (1 everywhere), "none". Anything else is a file: equirectangular .hdr or .exr (or .png/.jpg, sRGB decoded). Throws
+/// Error where it is no image, has a non-finite or negative pixel, or is not about twice as wide as high.
+///
+/// The sky is a clear day over a plain of albedo 0.3; its unit is 10 000 cd/m²: around noon the sky is 0.3 to 0.8 and
+/// the sun, a SunDisc, gives 10 to 11 lux-like units. Seen from the default camera the sun stands to the front right.
+/// The studio makes a white matt sphere about 1 on its lit side; key lamp front left of the default camera.
 Environment make_environment(const std::string& name_or_path);
 
 /// Radiance from direction `d` (unit, world space), suns included when `d` is inside their disc. The renderers' reference.

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "io/patterns.h"
+#include "io/shapes.h"
+#include "scene/scene.h"
+
+namespace candela::io {
+
+Scene make_spheres();
+Scene make_materials();
+Scene make_cornell();
+Scene make_furnace();
+
+/// Puts a scene together part by part.
+class SceneBuilder {
+ public:
+  explicit SceneBuilder(std::string name) { scene_.name = std::move(name); }
+
+  int material(Material material);
+  TextureSlot texture(const std::string& name, TexturePointer image, vec2 repeat = vec2(1.0f));
+  /// Tangents are kept only where the material has a normal texture.
+  int mesh(const std::string& name, Primitive primitive, int material);
+  int node(const std::string& name, int mesh, const mat4& parent_from_node = mat4(1.0f), int parent = -1);
+  /// A camera node at `eye` looking at `target`, both in the parent's space; sharp at `focus`.
+  void camera(vec3 eye, vec3 target, float yfov_deg, float aspect, int parent = -1, float f_number = 0.0f,
+              vec3 focus = vec3(0.0f));
+
+  Scene finish(const std::string& environment, float exposure);
+
+  Scene& scene() { return scene_; }
+
+ private:
+  Scene scene_;
+};
+
+mat4 translation(vec3 offset);
+mat4 rotation_y(float angle_deg);
+mat4 rotation_x(float angle_deg);
+mat4 rotation_z(float angle_deg);
+mat4 scaling(float factor);
+
+}  // namespace candela::io
