@@ -1,1 +1,372 @@
-// to be written
+#include "io/gltf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <map>
+#include <tuple>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "io/gltf_material.h"
+#include "io/gltf_mesh.h"
+#include "io/gltf_nodes.h"
+
+namespace candela::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::array<std::string_view, 7> kSupported{
+    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior",    "KHR_materials_specular",
+    "KHR_materials_unlit", "KHR_mesh_quantization",           "KHR_texture_transform"};
+/// Describe the asset and change no pixel.
+constexpr std::array<std::string_view, 2> kMetadata{"KHR_xmp", "KHR_xmp_json_ld"};
+
+bool is_known(std::string_view name) {
+  const auto in = [&](const auto& list) { return std::find(list.begin(), list.end(), name) != list.end(); };
+  return in(kSupported) || in(kMetadata);
+}
+
+std::vector<std::string> read_names(const JsonView& root, const char* key) {
+  std::vector<std::string> result;
+  const auto list = root.find(key);
+  for (std::size_t i = 0; list && i < list->size(); ++i) result.push_back((*list)[i].string());
+  return result;
+}
+
+FileInfo read_info(const JsonView& root, std::size_t file_bytes) {
+  FileInfo info;
+  const auto asset = root.find("asset");
+  if (!asset || !asset->find("version")) throw root.error("not a glTF 2.0 file: it has no asset version");
+  info.version = asset->at("version").string();
+  if (!info.version.starts_with("2.")) {
+    throw asset->at("version").error(fmt::format("glTF {} is not supported (only 2.x)", info.version.substr(0, 20)));
+  }
+  const std::string minimum = asset->string_or("minVersion", "2.0");
+  if (minimum != "2.0")
+    throw asset->at("minVersion").error(fmt::format("glTF {} is not supported", minimum.substr(0, 20)));
+  info.generator = asset->string_or("generator");
+  info.copyright = asset->string_or("copyright");
+  info.extensions_used = read_names(root, "extensionsUsed");
+  info.extensions_required = read_names(root, "extensionsRequired");
+  info.animations = static_cast<int>(count_of(root, "animations"));
+  info.skins = static_cast<int>(count_of(root, "skins"));
+  info.file_bytes = file_bytes;
+  return info;
+}
+
+void check_extensions(const JsonView& root, const FileInfo& info, Warnings& warnings) {
+  for (const std::string& name : info.extensions_required) {
+    if (!is_known(name)) {
+      throw root.at("extensionsRequired").error(fmt::format("the file requires {}, which is not supported", name));
+    }
+  }
+  for (const std::string& name : info.extensions_used) {
+    if (!is_known(name))
+      warnings.warn(fmt::format("{} is not supported and will be ignored", name), root.at("extensionsUsed"));
+  }
+  if (info.animations > 0) warnings.warn("animations are not supported yet: bind pose shown", root.at("animations"));
+}
+
+Camera read_camera(const JsonView& json) {
+  Camera camera;
+  camera.name = json.string_or("name");
+  const std::string& type = json.at("type").string();
+  if (type == "perspective") {
+    const JsonView perspective = json.at("perspective");
+    PerspectiveCamera result;
+    result.yfov = perspective.at("yfov").real();
+    if (!(result.yfov > 0 && result.yfov < kPi)) throw perspective.at("yfov").error("must lie between 0 and pi");
+    if (const auto ratio = perspective.find("aspectRatio")) {
+      result.aspect_ratio = ratio->real();
+      if (!(*result.aspect_ratio > 0)) throw ratio->error("must be positive");
+    }
+    camera.projection = result;
+  } else if (type == "orthographic") {
+    const JsonView orthographic = json.at("orthographic");
+    OrthographicCamera result;
+    // A negative value mirrors the picture; glTF 2.0 §5.12.1 asks not to write one.
+    result.xmag = std::fabs(orthographic.at("xmag").real());
+    result.ymag = std::fabs(orthographic.at("ymag").real());
+    if (result.xmag == 0 || result.ymag == 0) throw orthographic.error("xmag and ymag must not be 0");
+    camera.projection = result;
+  } else {
+    throw json.at("type").error("must be perspective or orthographic");
+  }
+  return camera;
+}
+
+/// A number below its limit is brought there and told.
+float at_least(const JsonView& json, const char* key, float fallback, Warnings& warnings) {
+  const float value = json.real_or(key, fallback);
+  if (value >= 0) return value;
+  warnings.warn(fmt::format("{} {} becomes 0", key, value), json);
+  return 0;
+}
+
+Light read_light(const JsonView& json, Warnings& warnings) {
+  Light light;
+  light.name = json.string_or("name");
+  light.color = json.vector_or("color", vec3(1));
+  if (glm::any(glm::lessThan(light.color, vec3(0)))) {
+    warnings.warn("a light has a negative colour; clamped to 0", json);
+    light.color = glm::max(light.color, vec3(0));
+  }
+  light.intensity = at_least(json, "intensity", 1.0f, warnings);
+  if (const auto range = json.find("range")) {
+    light.range = range->real();
+    if (!(light.range > 0)) throw range->error("must be positive");
+  }
+  const std::string& type = json.at("type").string();
+  if (type == "directional") {
+    light.type = LightType::directional;
+  } else if (type == "spot") {
+    light.type = LightType::spot;
+    if (const auto spot = json.find("spot")) {
+      light.inner_cone = at_least(*spot, "innerConeAngle", 0.0f, warnings);
+      light.outer_cone = at_least(*spot, "outerConeAngle", kPi / 4, warnings);
+      const float widest = kPi / 2;
+      if (light.outer_cone > widest || light.outer_cone == 0 || light.inner_cone >= light.outer_cone) {
+        // KHR_lights_punctual: 0 ≤ inner < outer ≤ π/2. Exporters write π/2 rounded up, and inner = outer.
+        if (light.outer_cone > widest * 1.0001f || light.outer_cone == 0 ||
+            light.inner_cone > light.outer_cone * 1.0001f) {
+          warnings.warn(fmt::format("spot angles {} and {} are out of range", light.inner_cone, light.outer_cone),
+                        *spot);
+        }
+        light.outer_cone = std::clamp(light.outer_cone, 1e-3f, widest);
+        light.inner_cone = std::min(light.inner_cone, 0.999f * light.outer_cone);
+      }
+    }
+  } else if (type != "point") {
+    throw json.at("type").error("must be point, spot or directional");
+  }
+  return light;
+}
+
+/// What one node shows: a mesh of the file with its weights, and, where skinned, the node whose skin moves it.
+using MeshKey = std::tuple<std::size_t, std::vector<float>, std::optional<std::size_t>>;
+
+std::vector<float> read_weights(const JsonView& owner) {
+  const auto weights = owner.find("weights");
+  return weights ? weights->reals(weights->size()) : std::vector<float>();
+}
+
+class Loader {
+ public:
+  Loader(const GltfDocument& document, const UriReader& uris, const LoadOptions& options, std::size_t file_bytes,
+         Diagnostics& diagnostics)
+      : root_(document.root()),
+        uris_(uris),
+        options_(options),
+        warnings_(diagnostics),
+        buffers_(document, uris),
+        reader_(root_, buffers_, file_bytes) {}
+
+  Scene load(const FileInfo& info);
+
+ private:
+  void collect_meshes();
+  void collect_materials();
+  void read_meshes_and_images();
+  void place_nodes();
+  template <class T, class Read>
+  int index_once(std::map<std::size_t, int>& known, std::size_t file_index, std::vector<T>& list, const Read& read);
+
+  JsonView root_;
+  const UriReader& uris_;
+  const LoadOptions& options_;
+  Warnings warnings_;
+  GltfBuffers buffers_;
+  AccessorReader reader_;
+  FileScene file_;
+  std::map<MeshKey, std::size_t> mesh_of_key_;
+  std::vector<MeshKey> mesh_keys_;
+  std::vector<std::optional<std::size_t>> mesh_of_node_;  ///< of the file
+  MaterialSet materials_;
+  Scene scene_;
+};
+
+void Loader::collect_meshes() {
+  mesh_of_node_.resize(file_.nodes.size());
+  std::map<std::size_t, std::vector<float>> default_weights;
+  for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
+    FileNode& node = file_.nodes[i];
+    if (!node.in_scene || !node.mesh) continue;
+    const JsonView mesh = root_.at("meshes")[*node.mesh];
+    std::vector<float> weights = read_weights(root_.at("nodes")[i]);
+    if (weights.empty()) {
+      const auto [found, is_new] = default_weights.try_emplace(*node.mesh);
+      if (is_new) found->second = read_weights(mesh);
+      weights = found->second;
+    }
+    // Targets without weight change nothing: equal poses share a mesh.
+    while (!weights.empty() && weights.back() == 0.0f) weights.pop_back();
+    MeshKey key(*node.mesh, std::move(weights), node.skin);
+    const auto [found, is_new] = mesh_of_key_.try_emplace(key, mesh_keys_.size());
+    if (is_new) mesh_keys_.push_back(std::move(key));
+    mesh_of_node_[i] = found->second;
+  }
+}
+
+void Loader::collect_materials() {
+  std::vector<bool> used(count_of(root_, "materials"), false);
+  bool want_default = false;
+  std::vector<bool> seen(count_of(root_, "meshes"), false);
+  for (const MeshKey& key : mesh_keys_) {
+    const std::size_t index = std::get<0>(key);
+    if (seen[index]) continue;
+    seen[index] = true;
+    const JsonView primitives = root_.at("meshes")[index].at("primitives");
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      const JsonView primitive = primitives[i];
+      if (primitive.whole_or("mode", 4) < 4) continue;
+      if (const auto material = primitive.index_of("material", used.size(), "material")) {
+        used[*material] = true;
+      } else {
+        want_default = true;
+      }
+    }
+  }
+  materials_ = read_materials(root_, used, want_default, buffers_, warnings_);
+  scene_.materials = materials_.materials;
+  scene_.textures = materials_.textures;
+}
+
+/// Geometry is one task, each image another. Of several errors the geometry's, then the first image's is thrown.
+void Loader::read_meshes_and_images() {
+  const std::size_t image_count = materials_.images.size();
+  scene_.images.resize(image_count);
+  std::vector<std::exception_ptr> errors(image_count + 1);
+  std::atomic<std::uint64_t> texels = 0;
+  const auto read_meshes = [&] {
+    MeshReader reader(reader_, warnings_, materials_.materials, materials_.material_of_file,
+                      materials_.default_material);
+    std::map<std::size_t, std::vector<mat4>> skins;
+    for (const auto& [mesh, weights, skin] : mesh_keys_) {
+      MeshPose pose{weights, {}};
+      if (skin) {
+        const auto [found, is_new] = skins.try_emplace(*skin);
+        if (is_new) found->second = read_skin(root_.at("skins")[*skin], file_.nodes, reader_);
+        pose.joints = found->second;
+      }
+      scene_.meshes.push_back(reader.read(root_.at("meshes")[mesh], pose));
+    }
+    reader.report_ignored(root_);
+  };
+  parallel_for(0, image_count + 1, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t task = begin; task < end; ++task) {
+      try {
+        if (task == 0) {
+          read_meshes();
+        } else {
+          scene_.images[task - 1] = load_image(materials_.images[task - 1], uris_, options_.decode_images, texels);
+        }
+      } catch (...) {
+        errors[task] = std::current_exception();
+      }
+    }
+  });
+  for (const auto& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+}
+
+template <class T, class Read>
+int Loader::index_once(std::map<std::size_t, int>& known, std::size_t file_index, std::vector<T>& list,
+                       const Read& read) {
+  const auto [found, is_new] = known.try_emplace(file_index, static_cast<int>(list.size()));
+  if (is_new) list.push_back(read());
+  return found->second;
+}
+
+void Loader::place_nodes() {
+  std::vector<int> node_of_file(file_.nodes.size(), -1);
+  int count = 0;
+  for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
+    if (file_.nodes[i].in_scene) node_of_file[i] = count++;
+  }
+  std::map<std::size_t, int> cameras, lights;
+  std::vector<Node> skinned;
+  for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
+    const FileNode& source = file_.nodes[i];
+    if (!source.in_scene) continue;
+    Node node;
+    node.name = source.name;
+    node.parent = source.parent ? node_of_file[*source.parent] : -1;
+    node.parent_from_node = source.parent_from_node;
+    if (source.camera) {
+      node.camera = index_once(cameras, *source.camera, scene_.cameras,
+                               [&] { return read_camera(root_.at("cameras")[*source.camera]); });
+    }
+    if (source.light) {
+      const auto read = [&] {
+        return read_light(root_.extension("KHR_lights_punctual")->at("lights")[*source.light], warnings_);
+      };
+      node.light = index_once(lights, *source.light, scene_.lights, read);
+    }
+    const auto mesh = mesh_of_node_[i];
+    if (mesh && !scene_.meshes[*mesh].primitives.empty()) {
+      if (source.skin) {
+        Node posed;
+        posed.name = source.name;
+        posed.mesh = static_cast<int>(*mesh);
+        skinned.push_back(posed);
+      } else {
+        node.mesh = static_cast<int>(*mesh);
+      }
+    }
+    scene_.nodes.push_back(std::move(node));
+  }
+  scene_.nodes.insert(scene_.nodes.end(), skinned.begin(), skinned.end());
+}
+
+Scene Loader::load(const FileInfo& info) {
+  check_extensions(root_, info, warnings_);
+  file_ = read_nodes(root_, warnings_);
+  scene_.name = file_.name;
+  collect_meshes();
+  collect_materials();
+  read_meshes_and_images();
+  place_nodes();
+  update_world_transforms(scene_);
+  if (options_.decode_images) validate(scene_);
+  return std::move(scene_);
+}
+
+Scene load(std::span<const std::byte> bytes, const fs::path& base_folder, std::string label, Diagnostics& diagnostics,
+           const LoadOptions& options, FileInfo* info) {
+  const GltfDocument document(bytes, std::move(label), diagnostics);
+  const FileInfo file_info = read_info(document.root(), bytes.size());
+  if (info) *info = file_info;
+  const UriReader uris(base_folder);
+  return Loader(document, uris, options, bytes.size(), diagnostics).load(file_info);
+}
+
+}  // namespace
+
+Scene load_gltf(const fs::path& path, Diagnostics& diagnostics) { return load_gltf(path, diagnostics, LoadOptions()); }
+
+Scene load_gltf(const fs::path& path, Diagnostics& diagnostics, const LoadOptions& options, FileInfo* info) {
+  const std::vector<std::byte> bytes = read_file(path);
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  Scene scene = load(bytes, folder, path.string(), diagnostics, options, info);
+  if (scene.name.empty()) scene.name = path.stem().string();
+  return scene;
+}
+
+Scene load_gltf(std::span<const std::byte> bytes, const fs::path& base_folder, Diagnostics& diagnostics) {
+  return load_gltf(bytes, base_folder, diagnostics, LoadOptions());
+}
+
+Scene load_gltf(std::span<const std::byte> bytes, const fs::path& base_folder, Diagnostics& diagnostics,
+                const LoadOptions& options, FileInfo* info) {
+  return load(bytes, base_folder, "glTF in memory", diagnostics, options, info);
+}
+
+}  // namespace candela::io

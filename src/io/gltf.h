@@ -1,19 +1,50 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "base/diagnostics.h"
 #include "scene/scene.h"
 
 namespace candela::io {
 
-/// Loads a .gltf or .glb. Every number is checked before it is used; on bad input throws Error whose `where` is the file and,
-/// where there is one, the JSON pointer. An unknown required extension is an Error that names it; unknown optional ones
-/// and recoverable oddities go to `diagnostics`. The result passes validate().
-Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
+struct LoadOptions {
+  /// False: images carry only width and height (their pixels stay empty), which is fast; such a scene fails validate().
+  bool decode_images = true;
+};
 
-/// The same from memory (GLB or JSON text), for tests and fuzzing; `base_folder` resolves external files, empty = refuse them.
+/// What a file says about itself and the scene does not keep.
+struct FileInfo {
+  std::string generator;
+  std::string version;
+  std::string copyright;
+  std::vector<std::string> extensions_used;
+  std::vector<std::string> extensions_required;
+  int animations = 0;
+  int skins = 0;
+  std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself
+};
+
+/// Loads a .gltf or .glb. Every number is checked before it is used; on bad input throws Error whose `where` is the
+/// file and, where there is one, the JSON pointer. An unknown required extension is an Error that names it; unknown
+/// optional ones and recoverable oddities go to `diagnostics`. The result passes validate().
+///
+/// The scene is the file's default scene (else its first, else all root nodes) and holds only what that scene uses, in
+/// the file's order: nodes, meshes, materials, textures, images, cameras and lights that nothing in it refers to are
+/// neither read nor decoded. Animations rest. Morph targets and skins are applied as the nodes stand; a skinned mesh,
+/// whose node's own transform glTF ignores, moves to a root node of the same name after the file's nodes. Triangles
+/// that have no area are dropped.
+Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
+Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics, const LoadOptions& options,
+                FileInfo* info = nullptr);
+
+/// The same from memory (GLB or JSON text), for tests and fuzzing; `base_folder` resolves external files, empty =
+/// refuse them.
 Scene load_gltf(std::span<const std::byte> bytes, const std::filesystem::path& base_folder, Diagnostics& diagnostics);
+Scene load_gltf(std::span<const std::byte> bytes, const std::filesystem::path& base_folder, Diagnostics& diagnostics,
+                const LoadOptions& options, FileInfo* info = nullptr);
 
 }  // namespace candela::io

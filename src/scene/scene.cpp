@@ -1,1 +1,209 @@
-// to be written
+#include "scene/scene.h"
+
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+
+namespace candela {
+
+namespace {
+
+// Vertices times instances above which bounds come from the corners of each mesh's own box.
+constexpr std::size_t kExactBoundsWork = 200'000'000;
+
+bool finite(const mat4& m) {
+  for (int c = 0; c < 4; ++c) {
+    for (int r = 0; r < 4; ++r) {
+      if (!std::isfinite(m[c][r])) return false;
+    }
+  }
+  return true;
+}
+
+template <class V>
+bool all_finite(const std::vector<V>& values) {
+  for (const V& v : values) {
+    for (int i = 0; i < V::length(); ++i) {
+      if (!std::isfinite(v[i])) return false;
+    }
+  }
+  return true;
+}
+
+std::string place(const char* list, std::size_t index) { return std::string(list) + '/' + std::to_string(index); }
+
+void require(bool condition, const char* message, const std::string& where) {
+  if (!condition) throw Error(message, where);
+}
+
+bool in_range(int index, std::size_t count) { return index >= 0 && static_cast<std::size_t>(index) < count; }
+bool none_or_in_range(int index, std::size_t count) { return index == -1 || in_range(index, count); }
+
+void validate_nodes(const Scene& scene) {
+  const std::size_t count = scene.nodes.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Node& node = scene.nodes[i];
+    const std::string where = place("nodes", i);
+    require(none_or_in_range(node.parent, count), "the parent does not exist", where);
+    require(none_or_in_range(node.mesh, scene.meshes.size()), "the mesh does not exist", where);
+    require(none_or_in_range(node.camera, scene.cameras.size()), "the camera does not exist", where);
+    require(none_or_in_range(node.light, scene.lights.size()), "the light does not exist", where);
+    require(finite(node.parent_from_node) && finite(node.world_from_node), "the matrix is not finite", where);
+  }
+}
+
+void validate_primitive(const Scene& scene, const Primitive& p, const std::string& where) {
+  const std::size_t count = p.positions.size();
+  require(p.normals.size() == count, "needs as many normals as positions", where);
+  require(p.tangents.empty() || p.tangents.size() == count, "needs as many tangents as positions", where);
+  for (const auto& uvs : p.uvs) require(uvs.empty() || uvs.size() == count, "needs as many uvs as positions", where);
+  require(p.colors.empty() || p.colors.size() == count, "needs as many colours as positions", where);
+  require(in_range(p.material, scene.materials.size()), "the material does not exist", where);
+  for (const uvec3& t : p.triangles) {
+    require(t.x < count && t.y < count && t.z < count, "a triangle names a vertex that does not exist", where);
+  }
+  require(all_finite(p.positions) && all_finite(p.normals) && all_finite(p.tangents) && all_finite(p.uvs[0]) &&
+              all_finite(p.uvs[1]) && all_finite(p.colors),
+          "a vertex is not finite", where);
+}
+
+void validate_material(const Scene& scene, const Material& m, const std::string& where) {
+  const bool numbers_finite = is_finite(m.base_color) && is_finite(m.opacity) && is_finite(m.metallic) &&
+                              is_finite(m.roughness) && is_finite(m.ior) && is_finite(m.specular) &&
+                              is_finite(m.specular_color) && is_finite(m.emission) && is_finite(m.normal_scale) &&
+                              is_finite(m.occlusion_strength) && is_finite(m.alpha_cutoff);
+  require(numbers_finite, "a factor is not finite", where);
+  for (const TextureSlot* slot :
+       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.occlusion_texture,
+        &m.emissive_texture, &m.specular_texture, &m.specular_color_texture}) {
+    require(none_or_in_range(slot->texture, scene.textures.size()), "the texture does not exist", where);
+    require(slot->uv_set == 0 || slot->uv_set == 1, "the uv set is neither 0 nor 1", where);
+    for (const vec2 column : slot->transform) {
+      require(is_finite(column.x) && is_finite(column.y), "a texture transform is not finite", where);
+    }
+  }
+}
+
+void validate_images(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.textures.size(); ++i) {
+    require(in_range(scene.textures[i].image, scene.images.size()), "the image does not exist", place("textures", i));
+  }
+  for (std::size_t i = 0; i < scene.images.size(); ++i) {
+    const std::string where = place("images", i);
+    require(scene.images[i] != nullptr, "the image is missing", where);
+    const TextureImage& image = *scene.images[i];
+    require(image.width > 0 && image.height > 0, "the image is empty", where);
+    require(image.bits == 8 || image.bits == 16, "the image has neither 8 nor 16 bits", where);
+    const std::size_t bytes = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4 *
+                              static_cast<std::size_t>(image.bits / 8);
+    require(image.pixels.size() == bytes, "the image has not as many pixels as its size says", where);
+  }
+}
+
+void validate_cameras_and_lights(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+    const std::string where = place("cameras", i);
+    if (const auto* p = std::get_if<PerspectiveCamera>(&scene.cameras[i].projection)) {
+      require(p->yfov > 0 && p->yfov < kPi, "the field of view must lie between 0 and pi", where);
+      require(!p->aspect_ratio || (*p->aspect_ratio > 0 && is_finite(*p->aspect_ratio)),
+              "the aspect ratio is not positive", where);
+    } else if (const auto* o = std::get_if<OrthographicCamera>(&scene.cameras[i].projection)) {
+      require(o->xmag > 0 && o->ymag > 0 && is_finite(o->xmag) && is_finite(o->ymag), "the size is not positive",
+              where);
+    }
+  }
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const Light& light = scene.lights[i];
+    const std::string where = place("lights", i);
+    require(is_finite(light.color) && is_finite(light.intensity), "the light is not finite", where);
+    require(light.range > 0, "the range is not positive", where);
+    require(light.inner_cone >= 0 && light.inner_cone < light.outer_cone && light.outer_cone <= kPi / 2,
+            "the cones must be 0 <= inner < outer <= pi/2", where);
+  }
+}
+
+Box3 bounds(const Mesh& mesh) {
+  Box3 box;
+  for (const Primitive& primitive : mesh.primitives) {
+    for (const vec3 p : primitive.positions) box.extend(p);
+  }
+  return box;
+}
+
+}  // namespace
+
+void update_world_transforms(Scene& scene) {
+  enum : char { unknown, pending, done };
+  const std::size_t count = scene.nodes.size();
+  std::vector<char> state(count, unknown);
+  std::vector<std::size_t> chain;
+  for (std::size_t i = 0; i < count; ++i) {
+    // Up to a node that is known or has no parent, then down again.
+    std::size_t at = i;
+    while (state[at] == unknown) {
+      state[at] = pending;
+      chain.push_back(at);
+      const int parent = scene.nodes[at].parent;
+      if (parent == -1) break;
+      require(in_range(parent, count), "the parent does not exist", place("nodes", at));
+      at = static_cast<std::size_t>(parent);
+      require(state[at] != pending, "the node is its own ancestor", place("nodes", at));
+    }
+    for (; !chain.empty(); chain.pop_back()) {
+      Node& node = scene.nodes[chain.back()];
+      node.world_from_node = node.parent == -1 ? node.parent_from_node
+                                               : scene.nodes[static_cast<std::size_t>(node.parent)].world_from_node *
+                                                     node.parent_from_node;
+      state[chain.back()] = done;
+    }
+  }
+}
+
+Box3 world_bounds(const Scene& scene) {
+  std::size_t work = 0;
+  for (const Node& node : scene.nodes) {
+    if (node.mesh < 0) continue;
+    for (const Primitive& p : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives) work += p.positions.size();
+  }
+  std::vector<Box3> mesh_boxes;
+  if (work > kExactBoundsWork) {
+    for (const Mesh& mesh : scene.meshes) mesh_boxes.push_back(bounds(mesh));
+  }
+  Box3 box;
+  for (const Node& node : scene.nodes) {
+    if (node.mesh < 0) continue;
+    const auto index = static_cast<std::size_t>(node.mesh);
+    if (!mesh_boxes.empty()) {
+      const Box3& local = mesh_boxes[index];
+      for (int corner = 0; corner < 8 && !local.empty(); ++corner) {
+        const vec3 p((corner & 1) != 0 ? local.upper.x : local.lower.x,
+                     (corner & 2) != 0 ? local.upper.y : local.lower.y,
+                     (corner & 4) != 0 ? local.upper.z : local.lower.z);
+        box.extend(transform_point(node.world_from_node, p));
+      }
+      continue;
+    }
+    for (const Primitive& primitive : scene.meshes[index].primitives) {
+      for (const vec3 p : primitive.positions) box.extend(transform_point(node.world_from_node, p));
+    }
+  }
+  return box;
+}
+
+void validate(const Scene& scene) {
+  require(!scene.materials.empty(), "the scene has no material", "materials");
+  validate_nodes(scene);
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    for (std::size_t k = 0; k < scene.meshes[i].primitives.size(); ++k) {
+      validate_primitive(scene, scene.meshes[i].primitives[k], place("meshes", i) + '/' + place("primitives", k));
+    }
+  }
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    validate_material(scene, scene.materials[i], place("materials", i));
+  }
+  validate_images(scene);
+  validate_cameras_and_lights(scene);
+}
+
+}  // namespace candela

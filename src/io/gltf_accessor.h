@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "io/gltf_document.h"
+#include "math/types.h"
+
+namespace candela::io {
+
+/// One accessor whose every byte is known to lie inside its buffer.
+struct Accessor {
+  JsonView json;
+  std::size_t count = 0;
+  int component_type = 0;      ///< glTF 2.0 §3.6.2.2, 5120 (i8) … 5126 (f32)
+  std::size_t components = 0;  ///< floats per element
+  bool normalized = false;
+  std::span<const std::byte> bytes = {};  ///< from the first element on; empty = all zeros
+  std::size_t stride = 0;
+
+  std::vector<std::uint32_t> sparse_elements = {};  ///< strictly ascending
+  std::span<const std::byte> sparse_values = {};         ///< tightly packed
+};
+
+/// Which elements to read: ascending indices, or all.
+using Selection = std::optional<std::span<const std::uint32_t>>;
+
+/// Reads accessors. Decoded data is counted: a small file that refers to the same bytes again and again, or to none,
+/// cannot make the loader allocate without bound. Not thread-safe.
+class AccessorReader {
+ public:
+  AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes);
+
+  /// The accessor that the JSON number `reference` points at. `types`: what may stand there, e.g. {"VEC3", "VEC4"}.
+  Accessor open(const JsonView& reference, std::initializer_list<const char*> types);
+
+  /// Elements as vectors or matrices of exactly as many floats as the type has; normalised integers as glTF 2.0
+  /// §3.6.2.2 defines. Throws Error on a NaN or an infinity.
+  template <class V>
+  std::vector<V> read_as(const Accessor& accessor, const Selection& selection = std::nullopt) {
+    const std::size_t count = selection ? selection->size() : accessor.count;
+    charge(std::uint64_t{count} * sizeof(V), accessor.json);
+    std::vector<V> result(count);
+    read(accessor, selection, reinterpret_cast<float*>(result.data()));
+    return result;
+  }
+
+  /// Vertex indices below `vertex_count`; the primitive-restart value is an Error.
+  std::vector<std::uint32_t> read_indices(const Accessor& accessor, std::size_t vertex_count);
+
+  /// Counts `bytes` of memory on behalf of `cause`; throws Error when the file asks for more than its size can explain.
+  void charge(std::uint64_t bytes, const JsonView& cause);
+
+ private:
+  void read(const Accessor& accessor, const Selection& selection, float* out) const;
+  void open_sparse(Accessor& accessor, const JsonView& sparse);
+
+  JsonView root_;
+  GltfBuffers& buffers_;
+  std::uint64_t file_bytes_;
+  std::uint64_t charged_ = 0;
+};
+
+}  // namespace candela::io

@@ -1,0 +1,267 @@
+#include "io/gltf_document.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "base/file.h"
+
+namespace candela::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::uint32_t kGlbMagic = 0x46546C67;   // "glTF"
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
+constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN\0"
+constexpr std::size_t kGlbHeader = 12;
+constexpr std::size_t kChunkHeader = 8;
+constexpr std::size_t kLongestQuotation = 200;  // characters of a parser message or URI that are worth repeating
+
+std::uint32_t read_u32(std::span<const std::byte> bytes, std::size_t offset) {
+  std::uint32_t value;
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+std::string shortened(std::string_view text) {
+  if (text.size() <= kLongestQuotation) return std::string(text);
+  return std::string(text.substr(0, kLongestQuotation)) + "…";
+}
+
+struct Container {
+  std::string_view json;
+  std::span<const std::byte> binary;
+};
+
+Container split_glb(std::span<const std::byte> bytes, const std::string& file, Diagnostics& diagnostics) {
+  if (bytes.size() < kGlbHeader) throw Error("truncated GLB: the header is incomplete", file);
+  const std::uint32_t version = read_u32(bytes, 4);
+  if (version != 2) throw Error(fmt::format("GLB version {} is not supported (only 2)", version), file);
+  const std::uint32_t length = read_u32(bytes, 8);
+  if (length > bytes.size()) {
+    throw Error(fmt::format("truncated GLB: {} bytes of {}", bytes.size(), length), file);
+  }
+  if (length < kGlbHeader) throw Error(fmt::format("GLB header gives a length of only {} bytes", length), file);
+  if (length < bytes.size())
+    diagnostics.warn(fmt::format("{} bytes after the end of the GLB", bytes.size() - length), file);
+  bytes = bytes.first(length);
+
+  Container result;
+  std::size_t offset = kGlbHeader;
+  for (int i = 0; offset < bytes.size(); ++i) {
+    if (bytes.size() - offset < kChunkHeader)
+      throw Error(fmt::format("GLB chunk {} has an incomplete header", i), file);
+    const std::uint32_t chunk_length = read_u32(bytes, offset);
+    const std::uint32_t type = read_u32(bytes, offset + 4);
+    offset += kChunkHeader;
+    if (chunk_length > bytes.size() - offset) {
+      throw Error(fmt::format("GLB chunk {} claims {} bytes, {} are left", i, chunk_length, bytes.size() - offset),
+                  file);
+    }
+    const auto chunk = bytes.subspan(offset, chunk_length);
+    if (i == 0) {
+      if (type != kJsonChunk) throw Error("the first GLB chunk is not JSON", file);
+      result.json = {reinterpret_cast<const char*>(chunk.data()), chunk.size()};
+    } else if (i == 1 && type == kBinChunk) {
+      result.binary = chunk;
+    }
+    offset += chunk_length;
+  }
+  if (result.json.empty()) throw Error("the GLB has no JSON chunk", file);
+  return result;
+}
+
+bool looks_like_json(std::span<const std::byte> bytes) {
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const auto first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '{';
+}
+
+/// nlohmann's text without its error number: "JSON error at line 3, column 5: …".
+std::string json_message(const std::string& what) {
+  const std::string_view marker = "parse error at ";
+  const auto found = what.find(marker);
+  if (found != std::string::npos)
+    return "JSON error at " + shortened(std::string_view(what).substr(found + marker.size()));
+  const auto bracket = what.find("] ");
+  return "JSON error: " + shortened(std::string_view(what).substr(bracket == std::string::npos ? 0 : bracket + 2));
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+/// RFC 3986 §2.1. A '%' that starts no escape is kept: such names exist.
+std::string percent_decoded(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size() && hex_digit(text[i + 1]) >= 0 && hex_digit(text[i + 2]) >= 0) {
+      out += static_cast<char>(hex_digit(text[i + 1]) * 16 + hex_digit(text[i + 2]));
+      i += 2;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
+constexpr std::array<std::int8_t, 256> base64_table() {
+  std::array<std::int8_t, 256> table{};
+  for (auto& entry : table) entry = -1;
+  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (std::size_t i = 0; i < alphabet.size(); ++i) {
+    table[static_cast<unsigned char>(alphabet[i])] = static_cast<std::int8_t>(i);
+  }
+  return table;
+}
+
+/// RFC 4648 §4; padding may be missing. Empty optional on a character outside the alphabet.
+std::optional<std::vector<std::byte>> base64_decoded(std::string_view text) {
+  static constexpr auto table = base64_table();
+  while (!text.empty() && text.back() == '=') text.remove_suffix(1);
+  std::vector<std::byte> out;
+  out.reserve(text.size() / 4 * 3 + 3);
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    const int value = table[static_cast<unsigned char>(c)];
+    if (value < 0) return std::nullopt;
+    bits = bits << 6 | static_cast<std::uint32_t>(value);
+    count += 6;
+    if (count >= 8) {
+      count -= 8;
+      out.push_back(static_cast<std::byte>(bits >> count & 0xFF));
+    }
+  }
+  return out;
+}
+
+std::vector<std::byte> read_data_uri(const JsonView& uri, std::string_view text) {
+  const auto comma = text.find(',');
+  if (comma == std::string_view::npos) throw uri.error("the data URI has no comma");
+  const auto header = text.substr(0, comma);
+  const auto payload = text.substr(comma + 1);
+  if (header.ends_with(";base64")) {
+    auto bytes = base64_decoded(payload);
+    if (!bytes) throw uri.error("the data URI is not valid base64");
+    return *std::move(bytes);
+  }
+  const std::string decoded = percent_decoded(payload);
+  std::vector<std::byte> bytes(decoded.size());
+  if (!decoded.empty()) std::memcpy(bytes.data(), decoded.data(), decoded.size());
+  return bytes;
+}
+
+/// RFC 3986 §3.1: letters, digits, "+-." before a colon. One letter is a Windows drive, as unwelcome as a scheme.
+bool has_scheme(std::string_view uri) {
+  const auto end = uri.find_first_of(":/?#");
+  return end != std::string_view::npos && end > 0 && uri[end] == ':';
+}
+
+}  // namespace
+
+GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string file, Diagnostics& diagnostics)
+    : file_(std::move(file)) {
+  Container container;
+  if (bytes.size() >= 4 && read_u32(bytes, 0) == kGlbMagic) {
+    container = split_glb(bytes, file_, diagnostics);
+  } else if (looks_like_json(bytes)) {
+    container.json = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  } else {
+    throw Error("not a glTF file", file_);
+  }
+  // A chunk may be padded with zeros where the specification wants spaces.
+  while (!container.json.empty() && container.json.back() == '\0') container.json.remove_suffix(1);
+  try {
+    json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(container.json));
+  } catch (const nlohmann::json::exception& exception) {
+    throw Error(json_message(exception.what()), file_);
+  }
+  binary_chunk_ = container.binary;
+}
+
+GltfDocument::~GltfDocument() = default;
+
+JsonView GltfDocument::root() const { return JsonView(*json_, file_); }
+
+std::vector<std::byte> UriReader::read(const JsonView& uri) const {
+  const std::string& text = uri.string();
+  if (text.starts_with("data:")) return read_data_uri(uri, text);
+  if (has_scheme(text)) throw uri.error(fmt::format("'{}' is not a relative file name", shortened(text)));
+  const std::string decoded = percent_decoded(text);
+  if (decoded.empty() || decoded.find('\0') != std::string::npos) throw uri.error("is not a file name");
+  if (fs::path(decoded).is_absolute())
+    throw uri.error(fmt::format("'{}' is not a relative file name", shortened(decoded)));
+  if (base_folder_.empty())
+    throw uri.error(fmt::format("external file '{}' cannot be read from here", shortened(decoded)));
+  try {
+    std::error_code code;
+    const bool literal = !fs::exists(base_folder_ / decoded, code) && fs::exists(base_folder_ / text, code);
+    return read_file(base_folder_ / (literal ? text : decoded));
+  } catch (const Error& cause) {
+    throw uri.error(fmt::format("'{}': {}", shortened(decoded), cause.message()));
+  }
+}
+
+GltfBuffers::GltfBuffers(const GltfDocument& document, const UriReader& uris)
+    : root_(document.root()), binary_chunk_(document.binary_chunk()), uris_(uris) {
+  loaded_.resize(count_of(root_, "buffers"));
+}
+
+std::span<const std::byte> GltfBuffers::buffer(std::size_t index) {
+  const JsonView json = root_.at("buffers")[index];
+  const std::uint64_t length = json.at("byteLength").whole();
+  if (length == 0) throw json.at("byteLength").error("must be at least 1");
+  std::span<const std::byte> bytes;
+  if (const auto uri = json.find("uri")) {
+    if (loaded_[index].empty()) {
+      loaded_[index] = uris_.read(*uri);
+      loaded_bytes_ += loaded_[index].size();
+    }
+    bytes = loaded_[index];
+  } else if (index == 0 && !binary_chunk_.empty()) {
+    bytes = binary_chunk_;
+  } else {
+    throw json.error("the buffer has neither a uri nor a GLB binary chunk");
+  }
+  if (length > bytes.size()) {
+    throw json.at("byteLength")
+        .error(fmt::format("the buffer claims {} bytes but only {} are there", length, bytes.size()));
+  }
+  return bytes.first(static_cast<std::size_t>(length));
+}
+
+BufferView GltfBuffers::view(const JsonView& reference) {
+  const std::size_t index = reference.index(count_of(root_, "bufferViews"), "buffer view");
+  const JsonView json = root_.at("bufferViews")[index];
+  const auto bytes = buffer(json.at("buffer").index(loaded_.size(), "buffer"));
+  const std::uint64_t offset = json.whole_or("byteOffset", 0);
+  const std::uint64_t length = json.at("byteLength").whole();
+  // Both are below 2^53, so that the sum cannot overflow.
+  if (offset + length > bytes.size()) {
+    throw json.error(
+        fmt::format("bytes {} to {} lie outside the buffer of {} bytes", offset, offset + length, bytes.size()));
+  }
+  if (length == 0) throw json.at("byteLength").error("must be at least 1");
+  BufferView result;
+  result.bytes = bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+  if (const auto stride = json.find("byteStride")) {
+    // glTF 2.0 §5.11.4 allows 4 to 252; 0 is how old exporters write "tightly packed".
+    const std::uint64_t value = stride->whole();
+    if (value > 252) throw stride->error(fmt::format("must be at most 252, not {}", value));
+    result.stride = static_cast<std::size_t>(value);
+  }
+  return result;
+}
+
+}  // namespace candela::io

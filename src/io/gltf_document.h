@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/diagnostics.h"
+#include "io/json_view.h"
+
+namespace candela::io {
+
+/// A parsed .gltf or .glb: the JSON and, for a GLB, its binary chunk. `bytes` must outlive the document.
+class GltfDocument {
+ public:
+  /// Throws Error for anything that is no glTF 2.0 container or no JSON (with line and column). `file` names it in
+  /// errors.
+  GltfDocument(std::span<const std::byte> bytes, std::string file, Diagnostics& diagnostics);
+  ~GltfDocument();
+  GltfDocument(const GltfDocument&) = delete;
+  GltfDocument& operator=(const GltfDocument&) = delete;
+
+  JsonView root() const;
+  std::span<const std::byte> binary_chunk() const { return binary_chunk_; }
+
+ private:
+  std::string file_;
+  std::unique_ptr<nlohmann::json> json_;
+  std::span<const std::byte> binary_chunk_;
+};
+
+/// Bytes behind URIs: data URIs and files relative to the folder of the glTF.
+class UriReader {
+ public:
+  /// An empty folder refuses every file.
+  explicit UriReader(std::filesystem::path base_folder) : base_folder_(std::move(base_folder)) {}
+
+  /// Thread-safe. Throws Error at `uri` for absolute paths, other schemes, broken data URIs and unreadable files.
+  std::vector<std::byte> read(const JsonView& uri) const;
+
+ private:
+  std::filesystem::path base_folder_;
+};
+
+struct BufferView {
+  std::span<const std::byte> bytes;
+  std::size_t stride = 0;  ///< 0 = tightly packed
+};
+
+/// The document's buffers, each read on first use and kept. Not thread-safe.
+class GltfBuffers {
+ public:
+  GltfBuffers(const GltfDocument& document, const UriReader& uris);
+
+  /// The buffer view that the JSON number `reference` points at, checked to lie inside its buffer.
+  BufferView view(const JsonView& reference);
+
+  /// Bytes read so far from outside the document.
+  std::uint64_t loaded_bytes() const { return loaded_bytes_; }
+
+ private:
+  std::span<const std::byte> buffer(std::size_t index);
+
+  JsonView root_;
+  std::span<const std::byte> binary_chunk_;
+  const UriReader& uris_;
+  std::vector<std::vector<std::byte>> loaded_;
+  std::uint64_t loaded_bytes_ = 0;
+};
+
+}  // namespace candela::io

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/gltf_document.h"
+#include "io/gltf_warnings.h"
+#include "scene/scene.h"
+
+namespace candela::io {
+
+/// Encoded bytes of one image: in a buffer view, or behind a URI that is read only when the image is decoded.
+struct ImageSource {
+  JsonView json;
+  std::string label;  ///< file, pointer and name for errors
+  std::span<const std::byte> bytes;
+  std::optional<JsonView> uri;
+};
+
+/// The materials that a scene uses and what they need, renumbered without gaps in the file's order.
+struct MaterialSet {
+  std::vector<Material> materials;
+  std::vector<int> material_of_file;  ///< -1 = not used
+  int default_material = -1;          ///< glTF's default, where it is wanted
+  std::vector<Texture> textures;
+  std::vector<ImageSource> images;
+};
+
+/// Reads the materials with `used[i]`, plus the default one when asked for or when there is no other.
+MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, bool want_default, GltfBuffers& buffers,
+                           Warnings& warnings);
+
+/// Decodes one image, or only measures it. `texels` counts all images together: a limit on their sum is an Error.
+/// Thread-safe.
+std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const UriReader& uris, bool decode,
+                                               std::atomic<std::uint64_t>& texels);
+
+}  // namespace candela::io

@@ -1,0 +1,456 @@
+#include "io/gltf_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/tangents.h"
+
+namespace candela::io {
+
+namespace {
+
+// Coordinates whose cross products and squared distances still fit in a float with room to spare.
+constexpr float kLargestCoordinate = 1e9f;
+// Beyond this a float has no fraction worth looking up; the limit keeps texture transforms finite.
+constexpr float kLargestUv = 1e6f;
+
+/// Twice the area vector; exact enough in double that only truly flat triangles give 0.
+dvec3 area_vector(const Primitive& primitive, const uvec3& t) {
+  const dvec3 a(primitive.positions[t.x]), b(primitive.positions[t.y]), c(primitive.positions[t.z]);
+  return glm::cross(b - a, c - a);
+}
+
+vec3 unit(dvec3 v) { return vec3(v / glm::length(v)); }
+
+template <class V>
+void gather(std::vector<V>& values, std::span<const std::uint32_t> sources) {
+  if (values.empty()) return;
+  std::vector<V> result(sources.size());
+  for (std::size_t i = 0; i < sources.size(); ++i) result[i] = values[sources[i]];
+  values = std::move(result);
+}
+
+/// New vertices, each a copy of the old one that `sources` names.
+void gather_vertices(Primitive& primitive, std::span<const std::uint32_t> sources) {
+  gather(primitive.positions, sources);
+  gather(primitive.normals, sources);
+  gather(primitive.tangents, sources);
+  for (auto& uvs : primitive.uvs) gather(uvs, sources);
+  gather(primitive.colors, sources);
+}
+
+std::vector<uvec3> assemble(std::span<const std::uint32_t> indices, std::uint64_t mode) {
+  std::vector<uvec3> triangles;
+  const std::size_t n = indices.size();
+  const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
+    const uvec3 t(indices[a], indices[b], indices[c]);
+    if (t.x != t.y && t.y != t.z && t.z != t.x) triangles.push_back(t);
+  };
+  triangles.reserve(mode == 4 ? n / 3 : n);
+  if (mode == 4) {
+    for (std::size_t i = 0; i + 2 < n; i += 3) add(i, i + 1, i + 2);
+  } else if (mode == 5) {
+    for (std::size_t i = 0; i + 2 < n; ++i) add(i, i + 1 + i % 2, i + 2 - i % 2);  // glTF 2.0 §3.7.2.1, strips
+  } else {
+    for (std::size_t i = 0; i + 2 < n; ++i) add(i + 1, i + 2, 0);  // and fans
+  }
+  return triangles;
+}
+
+/// The vertices that triangles name, ascending; triangles are renumbered to positions in that list.
+std::vector<std::uint32_t> compact(std::vector<uvec3>& triangles, std::size_t vertex_count) {
+  std::vector<std::uint32_t> used;
+  // A table over all vertices is fastest, unless a small primitive refers into a huge shared array.
+  if (vertex_count <= 64 * triangles.size()) {
+    std::vector<std::uint32_t> slot(vertex_count, 0);
+    for (const uvec3& t : triangles) slot[t.x] = slot[t.y] = slot[t.z] = 1;
+    for (std::size_t i = 0; i < vertex_count; ++i) {
+      if (slot[i] == 0) continue;
+      slot[i] = static_cast<std::uint32_t>(used.size());
+      used.push_back(static_cast<std::uint32_t>(i));
+    }
+    for (uvec3& t : triangles) t = uvec3(slot[t.x], slot[t.y], slot[t.z]);
+    return used;
+  }
+  for (const uvec3& t : triangles) used.insert(used.end(), {t.x, t.y, t.z});
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  const auto slot = [&](std::uint32_t v) {
+    return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());
+  };
+  for (uvec3& t : triangles) t = uvec3(slot(t.x), slot(t.y), slot(t.z));
+  return used;
+}
+
+template <class V>
+void add_scaled(std::vector<V>& values, const std::vector<V>& deltas, float weight) {
+  for (std::size_t i = 0; i < values.size() && i < deltas.size(); ++i) values[i] += weight * deltas[i];
+}
+
+void check_coordinates(const Primitive& primitive, const JsonView& json) {
+  for (const vec3 p : primitive.positions) {
+    // Written so that a NaN fails, too.
+    if (!(max_component(glm::abs(p)) <= kLargestCoordinate)) {
+      throw json.error(fmt::format("a position is beyond {:g} metres or not finite", kLargestCoordinate));
+    }
+  }
+}
+
+void clamp_uvs(std::vector<vec2>& uvs, const JsonView& json, Warnings& warnings) {
+  bool clamped = false;
+  for (vec2& uv : uvs) {
+    for (int i = 0; i < 2; ++i) {
+      if (std::fabs(uv[i]) <= kLargestUv) continue;
+      uv[i] = std::isnan(uv[i]) ? 0.0f : std::copysign(kLargestUv, uv[i]);
+      clamped = true;
+    }
+  }
+  if (clamped) warnings.warn(fmt::format("texture coordinates beyond {:g} are clamped", kLargestUv), json);
+}
+
+/// Vertices become one per corner, each with its triangle's normal (glTF 2.0 §3.7.2.1).
+void make_flat(Primitive& primitive) {
+  std::vector<std::uint32_t> corners;
+  corners.reserve(primitive.triangles.size() * 3);
+  for (const uvec3& t : primitive.triangles) corners.insert(corners.end(), {t.x, t.y, t.z});
+  gather_vertices(primitive, corners);
+  primitive.normals.resize(corners.size());
+  for (std::size_t f = 0; f < primitive.triangles.size(); ++f) {
+    const auto first = static_cast<std::uint32_t>(f * 3);
+    primitive.triangles[f] = uvec3(first, first + 1, first + 2);
+    const vec3 normal = unit(area_vector(primitive, primitive.triangles[f]));
+    for (std::size_t i = 0; i < 3; ++i) primitive.normals[first + i] = normal;
+  }
+}
+
+/// Unit normals; one without a direction becomes that of the triangles around it.
+void normalize_normals(Primitive& primitive) {
+  std::vector<std::uint32_t> missing;
+  for (std::size_t i = 0; i < primitive.normals.size(); ++i) {
+    const dvec3 n(primitive.normals[i]);
+    const double length = glm::length(n);
+    // Double, because the squares of small floats underflow.
+    if (length > 0 && std::isfinite(length)) {
+      primitive.normals[i] = vec3(n / length);
+    } else {
+      missing.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  if (missing.empty()) return;
+  std::vector<dvec3> sums(primitive.positions.size(), dvec3(0));
+  for (const uvec3& t : primitive.triangles) {
+    const dvec3 area = area_vector(primitive, t);
+    for (int i = 0; i < 3; ++i) sums[t[i]] += area;
+  }
+  for (const std::uint32_t i : missing) {
+    primitive.normals[i] = sums[i] == dvec3(0) ? vec3(0, 0, 1) : unit(sums[i]);
+  }
+}
+
+/// MikkTSpace in the uv space that the normal texture is looked up in: after KHR_texture_transform, so that a rotated
+/// or mirrored texture keeps its bumps upright. Vertices where frames meet that must not be averaged are split.
+void generate_tangents(const TextureSlot& slot, Primitive& primitive) {
+  std::vector<vec2> uvs = primitive.uvs[static_cast<std::size_t>(slot.uv_set)];
+  for (vec2& uv : uvs) uv = slot.apply(uv);
+  const TangentFrames frames = make_tangents(primitive.positions, primitive.normals, uvs, primitive.triangles);
+
+  // A vertex keeps the first group that it meets; each further group gets a copy.
+  struct Copy {
+    std::uint32_t group;
+    std::uint32_t next;
+  };
+  constexpr std::uint32_t kEnd = 0xFFFFFFFF;
+  const std::size_t originals = primitive.positions.size();
+  std::vector<std::uint32_t> sources(originals);
+  for (std::size_t i = 0; i < originals; ++i) sources[i] = static_cast<std::uint32_t>(i);
+  std::vector<Copy> copies(originals, Copy{kEnd, kEnd});
+  std::vector<bool> met(originals, false);
+  std::vector<vec4> tangents(originals, vec4(0));
+  for (std::size_t f = 0; f < primitive.triangles.size(); ++f) {
+    for (int i = 0; i < 3; ++i) {
+      const std::size_t corner = f * 3 + static_cast<std::size_t>(i);
+      std::uint32_t vertex = primitive.triangles[f][i];
+      if (!met[vertex]) {
+        met[vertex] = true;
+        copies[vertex].group = frames.groups[corner];
+      }
+      while (copies[vertex].group != frames.groups[corner]) {
+        if (copies[vertex].next == kEnd) {
+          copies[vertex].next = static_cast<std::uint32_t>(copies.size());
+          sources.push_back(sources[vertex]);
+          tangents.emplace_back(0.0f);
+          copies.push_back({frames.groups[corner], kEnd});
+        }
+        vertex = copies[vertex].next;
+      }
+      tangents[vertex] = frames.corners[corner];
+      primitive.triangles[f][i] = vertex;
+    }
+  }
+  if (sources.size() > originals) gather_vertices(primitive, sources);
+  primitive.tangents = std::move(tangents);
+  for (std::size_t i = 0; i < originals; ++i) {
+    if (!met[i]) primitive.tangents[i] = vec4(any_perpendicular(primitive.normals[i]), 1);
+  }
+}
+
+void normalize_tangents(Primitive& primitive) {
+  for (std::size_t i = 0; i < primitive.tangents.size(); ++i) {
+    vec4& tangent = primitive.tangents[i];
+    const dvec3 t(tangent);
+    const double length = glm::length(t);
+    tangent = vec4(length > 0 && std::isfinite(length) ? vec3(t / length) : any_perpendicular(primitive.normals[i]),
+                   tangent.w < 0 ? -1.0f : 1.0f);
+  }
+}
+
+/// Transposed adjugate: how normals turn, also under singular matrices; its sign makes mirrors keep the outside out.
+mat3 normal_matrix(const mat3& m) {
+  const mat3 cofactor(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+  return glm::dot(m[0], cofactor[0]) < 0 ? -cofactor : cofactor;
+}
+
+}  // namespace
+
+std::vector<mat4> read_skin(const JsonView& skin, const std::vector<FileNode>& nodes, AccessorReader& reader) {
+  const JsonView joints = skin.at("joints");
+  const std::size_t count = joints.size();
+  if (count == 0) throw joints.error("a skin needs a joint");
+  reader.charge(count * sizeof(mat4), skin);
+  std::vector<mat4> result(count, mat4(1.0f));
+  if (const auto reference = skin.find("inverseBindMatrices")) {
+    const Accessor accessor = reader.open(*reference, {"MAT4"});
+    if (accessor.count < count) throw reference->error(fmt::format("{} matrices for {} joints", accessor.count, count));
+    std::vector<mat4> matrices = reader.read_as<mat4>(accessor);
+    matrices.resize(count);
+    result = std::move(matrices);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    result[i] = nodes[joints[i].index(nodes.size(), "node")].world_from_node * result[i];
+  }
+  return result;
+}
+
+Mesh MeshReader::read(const JsonView& json, const MeshPose& pose) {
+  Mesh mesh;
+  mesh.name = json.string_or("name");
+  const JsonView primitives = json.at("primitives");
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    if (auto primitive = read_primitive(primitives[i], pose)) mesh.primitives.push_back(*std::move(primitive));
+  }
+  return mesh;
+}
+
+void MeshReader::report_ignored(const JsonView& root) {
+  if (ignored_ == 0) return;
+  warnings_.warn(fmt::format("{} primitive{} made of points or lines {} ignored", ignored_, ignored_ == 1 ? "" : "s",
+                             ignored_ == 1 ? "is" : "are"),
+                 root);
+}
+
+std::vector<uvec3> MeshReader::read_triangles(const JsonView& json, std::uint64_t mode, std::size_t vertex_count) {
+  std::vector<std::uint32_t> indices;
+  if (const auto reference = json.find("indices")) {
+    indices = reader_.read_indices(reader_.open(*reference, {"SCALAR"}), vertex_count);
+  } else {
+    reader_.charge(std::uint64_t{vertex_count} * sizeof(std::uint32_t), json);
+    indices.resize(vertex_count);
+    for (std::size_t i = 0; i < vertex_count; ++i) indices[i] = static_cast<std::uint32_t>(i);
+  }
+  if (mode == 4 && indices.size() % 3 != 0) warnings_.warn("a triangle list ends with an incomplete triangle", json);
+  reader_.charge(std::uint64_t{indices.size()} * sizeof(std::uint32_t) * (mode == 4 ? 1 : 3), json);
+  return assemble(indices, mode);
+}
+
+template <class V>
+std::vector<V> MeshReader::read_attribute(const JsonView& attributes, const char* name, const char* type,
+                                          std::size_t vertex_count, const Selection& selection) {
+  const auto reference = attributes.find(name);
+  if (!reference) return {};
+  const Accessor accessor = reader_.open(*reference, {type});
+  if (accessor.count != vertex_count) {
+    throw reference->error(fmt::format("has {} elements, but POSITION has {}", accessor.count, vertex_count));
+  }
+  return reader_.read_as<V>(accessor, selection);
+}
+
+Primitive MeshReader::read_vertices(const JsonView& attributes, const Accessor& positions, const Selection& selection) {
+  const std::size_t n = positions.count;
+  Primitive result;
+  result.positions = reader_.read_as<vec3>(positions, selection);
+  result.normals = read_attribute<vec3>(attributes, "NORMAL", "VEC3", n, selection);
+  if (!result.normals.empty()) result.tangents = read_attribute<vec4>(attributes, "TANGENT", "VEC4", n, selection);
+  result.uvs[0] = read_attribute<vec2>(attributes, "TEXCOORD_0", "VEC2", n, selection);
+  result.uvs[1] = read_attribute<vec2>(attributes, "TEXCOORD_1", "VEC2", n, selection);
+  if (const auto reference = attributes.find("TEXCOORD_2")) {
+    warnings_.warn("only two sets of texture coordinates are supported; the others are ignored", *reference);
+  }
+  if (const auto reference = attributes.find("COLOR_0")) {
+    Accessor accessor = reader_.open(*reference, {"VEC3", "VEC4"});
+    if (accessor.components == 4) {
+      result.colors = read_attribute<vec4>(attributes, "COLOR_0", "VEC4", n, selection);
+    } else {
+      for (const vec3 c : read_attribute<vec3>(attributes, "COLOR_0", "VEC3", n, selection)) {
+        result.colors.emplace_back(c, 1.0f);
+      }
+    }
+    bool out_of_range = false;
+    for (vec4& c : result.colors) {
+      const vec4 clamped = glm::clamp(c, vec4(0), vec4(1));
+      out_of_range |= clamped != c;
+      c = clamped;
+    }
+    if (out_of_range) warnings_.warn("vertex colours outside 0 to 1 are clamped", *reference);
+  }
+  return result;
+}
+
+void MeshReader::apply_morph(const JsonView& json, const std::vector<float>& weights, std::size_t vertex_count,
+                             const Selection& selection, Primitive& primitive) {
+  const auto targets = json.find("targets");
+  if (!targets) return;
+  const std::size_t n = vertex_count;
+  for (std::size_t i = 0; i < targets->size() && i < weights.size(); ++i) {
+    const float weight = weights[i];
+    const JsonView target = (*targets)[i];
+    if (weight == 0.0f) continue;
+    add_scaled(primitive.positions, read_attribute<vec3>(target, "POSITION", "VEC3", n, selection), weight);
+    add_scaled(primitive.normals, read_attribute<vec3>(target, "NORMAL", "VEC3", n, selection), weight);
+    add_scaled(primitive.uvs[0], read_attribute<vec2>(target, "TEXCOORD_0", "VEC2", n, selection), weight);
+    add_scaled(primitive.uvs[1], read_attribute<vec2>(target, "TEXCOORD_1", "VEC2", n, selection), weight);
+    const std::vector<vec3> tangents = read_attribute<vec3>(target, "TANGENT", "VEC3", n, selection);
+    for (std::size_t k = 0; k < primitive.tangents.size() && k < tangents.size(); ++k) {
+      primitive.tangents[k] += vec4(weight * tangents[k], 0);
+    }
+  }
+}
+
+void MeshReader::apply_skin(const JsonView& attributes, const std::vector<mat4>& joints, std::size_t vertex_count,
+                            const Selection& selection, Primitive& primitive) {
+  std::vector<mat4> blend(primitive.positions.size(), mat4(0.0f));
+  std::vector<float> sums(primitive.positions.size(), 0.0f);
+  reader_.charge(blend.size() * sizeof(mat4), attributes);
+  for (int set = 0;; ++set) {
+    const std::string joints_name = fmt::format("JOINTS_{}", set), weights_name = fmt::format("WEIGHTS_{}", set);
+    const auto indices = read_attribute<vec4>(attributes, joints_name.c_str(), "VEC4", vertex_count, selection);
+    if (indices.empty()) break;
+    const auto weights = read_attribute<vec4>(attributes, weights_name.c_str(), "VEC4", vertex_count, selection);
+    if (weights.empty()) throw attributes.error(fmt::format("{} without {}", joints_name, weights_name));
+    for (std::size_t v = 0; v < blend.size(); ++v) {
+      for (int k = 0; k < 4; ++k) {
+        if (weights[v][k] == 0.0f) continue;
+        const float index = indices[v][k];
+        if (!(index >= 0 && index < static_cast<float>(joints.size()))) {
+          throw attributes.at(joints_name.c_str())
+              .error(fmt::format("joint {} does not exist (there are {})", index, joints.size()));
+        }
+        blend[v] += weights[v][k] * joints[static_cast<std::size_t>(index)];
+        sums[v] += weights[v][k];
+      }
+    }
+  }
+  std::vector<bool> mirrored(blend.size());
+  for (std::size_t v = 0; v < blend.size(); ++v) {
+    if (sums[v] <= 0.0f) {
+      warnings_.warn("a skinned vertex has no weight; it follows the first joint", attributes);
+      blend[v] = joints[0];
+      sums[v] = 1;
+    }
+    const mat4 m = blend[v] / sums[v];
+    primitive.positions[v] = transform_point(m, primitive.positions[v]);
+    const mat3 linear(m);
+    if (!primitive.normals.empty()) primitive.normals[v] = normal_matrix(linear) * primitive.normals[v];
+    if (!primitive.tangents.empty()) {
+      primitive.tangents[v] = vec4(linear * vec3(primitive.tangents[v]), primitive.tangents[v].w);
+    }
+    mirrored[v] = glm::determinant(linear) < 0;
+  }
+  // What a mirrored joint turns inside out is turned back, as the sign of a node's determinant does for rigid meshes.
+  for (uvec3& t : primitive.triangles) {
+    if (mirrored[t.x] && mirrored[t.y] && mirrored[t.z]) std::swap(t.y, t.z);
+  }
+}
+
+void MeshReader::finish_normals(const JsonView& json, Primitive& primitive) {
+  if (!primitive.normals.empty()) {
+    normalize_normals(primitive);
+    return;
+  }
+  // Worst case per corner: position, normal, tangent, two uvs, colour.
+  reader_.charge(primitive.triangles.size() * 3 * (2 * sizeof(vec3) + 2 * sizeof(vec4) + 2 * sizeof(vec2)), json);
+  make_flat(primitive);
+}
+
+void MeshReader::fill_missing_uvs(const JsonView& json, Primitive& primitive) {
+  const Material& m = materials_[static_cast<std::size_t>(primitive.material)];
+  for (const TextureSlot* slot :
+       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.occlusion_texture,
+        &m.emissive_texture, &m.specular_texture, &m.specular_color_texture}) {
+    auto& uvs = primitive.uvs[static_cast<std::size_t>(slot->uv_set)];
+    if (!*slot || !uvs.empty()) continue;
+    warnings_.warn(
+        fmt::format("the material '{}' needs TEXCOORD_{}, which is missing; taken as 0", m.name, slot->uv_set), json);
+    reader_.charge(primitive.positions.size() * sizeof(vec2), json);
+    uvs.assign(primitive.positions.size(), vec2(0));
+  }
+}
+
+void MeshReader::finish_tangents(const JsonView& json, Primitive& primitive) {
+  const TextureSlot& slot = materials_[static_cast<std::size_t>(primitive.material)].normal_texture;
+  if (!slot) {
+    primitive.tangents = {};
+  } else if (!primitive.tangents.empty()) {
+    normalize_tangents(primitive);
+  } else {
+    // Faces, edges and, in the worst case, a vertex per corner.
+    reader_.charge(primitive.triangles.size() * 256, json);
+    generate_tangents(slot, primitive);
+  }
+}
+
+std::optional<Primitive> MeshReader::read_primitive(const JsonView& json, const MeshPose& pose) {
+  const std::uint64_t mode = json.whole_or("mode", 4);
+  if (mode > 6) throw json.at("mode").error(fmt::format("{} is not a primitive mode", mode));
+  if (mode < 4) {
+    ++ignored_;
+    return std::nullopt;
+  }
+  const JsonView attributes = json.at("attributes");
+  const auto position_reference = attributes.find("POSITION");
+  if (!position_reference) {
+    warnings_.warn("a primitive without POSITION is ignored", json);
+    return std::nullopt;
+  }
+  const Accessor positions = reader_.open(*position_reference, {"VEC3"});
+  std::vector<uvec3> triangles = read_triangles(json, mode, positions.count);
+  if (triangles.empty()) return std::nullopt;
+  const std::vector<std::uint32_t> used = compact(triangles, positions.count);
+  const Selection selection =
+      used.size() == positions.count ? Selection() : Selection(std::span<const std::uint32_t>(used));
+
+  Primitive primitive = read_vertices(attributes, positions, selection);
+  primitive.triangles = std::move(triangles);
+  const auto material = json.find("material");
+  primitive.material =
+      material ? material_of_file_[material->index(material_of_file_.size(), "material")] : default_material_;
+
+  // Pose.
+  apply_morph(json, pose.weights, positions.count, selection, primitive);
+  if (!pose.joints.empty()) apply_skin(attributes, pose.joints, positions.count, selection, primitive);
+  check_coordinates(primitive, *position_reference);
+
+  for (auto& uvs : primitive.uvs) clamp_uvs(uvs, json, warnings_);
+
+  // Triangles without an area neither show nor have a normal.
+  std::erase_if(primitive.triangles, [&](const uvec3& t) { return area_vector(primitive, t) == dvec3(0); });
+  if (primitive.triangles.empty()) return std::nullopt;
+
+  finish_normals(json, primitive);
+  fill_missing_uvs(json, primitive);
+  finish_tangents(json, primitive);
+  return primitive;
+}
+
+}  // namespace candela::io

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "io/gltf_accessor.h"
+#include "io/gltf_nodes.h"
+#include "scene/scene.h"
+
+namespace candela::io {
+
+/// How one node shows a mesh.
+struct MeshPose {
+  std::vector<float> weights;  ///< of the morph targets; missing ones count 0
+  std::vector<mat4> joints;    ///< world from bind pose, one per joint of the skin; empty = not skinned
+};
+
+/// World-from-bind matrices of a skin (glTF 2.0 §3.7.3.1), checked and counted.
+std::vector<mat4> read_skin(const JsonView& skin, const std::vector<FileNode>& nodes, AccessorReader& reader);
+
+/// Turns primitives into triangles as the scene promises them.
+class MeshReader {
+ public:
+  /// `materials` are the scene's; `material_of_file` maps the file's indices to them, `default_material` stands in.
+  MeshReader(AccessorReader& reader, Warnings& warnings, std::span<const Material> materials,
+             std::span<const int> material_of_file, int default_material)
+      : reader_(reader),
+        warnings_(warnings),
+        materials_(materials),
+        material_of_file_(material_of_file),
+        default_material_(default_material) {}
+
+  Mesh read(const JsonView& json, const MeshPose& pose);
+
+  /// Says once how many primitives were points or lines.
+  void report_ignored(const JsonView& root);
+
+ private:
+  std::optional<Primitive> read_primitive(const JsonView& json, const MeshPose& pose);
+  std::vector<uvec3> read_triangles(const JsonView& json, std::uint64_t mode, std::size_t vertex_count);
+  Primitive read_vertices(const JsonView& attributes, const Accessor& positions, const Selection& selection);
+  void apply_morph(const JsonView& json, const std::vector<float>& weights, std::size_t vertex_count,
+                   const Selection& selection, Primitive& primitive);
+  void apply_skin(const JsonView& attributes, const std::vector<mat4>& joints, std::size_t vertex_count,
+                  const Selection& selection, Primitive& primitive);
+  template <class V>
+  std::vector<V> read_attribute(const JsonView& attributes, const char* name, const char* type,
+                                std::size_t vertex_count, const Selection& selection);
+  void finish_normals(const JsonView& json, Primitive& primitive);
+  void finish_tangents(const JsonView& json, Primitive& primitive);
+  void fill_missing_uvs(const JsonView& json, Primitive& primitive);
+
+  AccessorReader& reader_;
+  Warnings& warnings_;
+  std::span<const Material> materials_;
+  std::span<const int> material_of_file_;
+  int default_material_;
+  std::size_t ignored_ = 0;
+};
+
+}  // namespace candela::io

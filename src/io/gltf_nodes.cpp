@@ -1,0 +1,162 @@
+#include "io/gltf_nodes.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace candela::io {
+
+namespace {
+
+bool is_finite(const mat4& m) {
+  for (int c = 0; c < 4; ++c) {
+    for (int r = 0; r < 4; ++r) {
+      if (!std::isfinite(m[c][r])) return false;
+    }
+  }
+  return true;
+}
+
+mat4 read_matrix(const JsonView& json, Warnings& warnings) {
+  mat4 result(1.0f);
+  const auto numbers = json.reals(16);
+  for (int i = 0; i < 16; ++i) result[i / 4][i % 4] = numbers[static_cast<std::size_t>(i)];
+  for (int c = 0; c < 4; ++c) {
+    const float affine = c == 3 ? 1.0f : 0.0f;
+    // Exporters that multiply matrices in floats leave a few ulp here.
+    if (std::fabs(result[c][3] - affine) > 1e-4f)
+      warnings.warn("the last row of a matrix must be 0 0 0 1; taken as that", json);
+    result[c][3] = affine;
+  }
+  return result;
+}
+
+quat read_rotation(const JsonView& json, Warnings& warnings) {
+  const auto numbers = json.reals(4);
+  double length = 0;
+  for (const float x : numbers) length += double{x} * x;
+  length = std::sqrt(length);
+  if (length == 0) {
+    warnings.warn("a rotation is the zero quaternion; taken as no rotation", json);
+    return quat(1, 0, 0, 0);
+  }
+  // Quantised animations are a little off; beyond a percent it is a mistake worth telling.
+  if (std::fabs(length - 1) > 0.01) warnings.warn("a rotation is no unit quaternion and is normalised", json);
+  const auto unit = [&](std::size_t i) { return static_cast<float>(numbers[i] / length); };
+  return quat(unit(3), unit(0), unit(1), unit(2));
+}
+
+mat4 read_transform(const JsonView& json, Warnings& warnings) {
+  if (const auto matrix = json.find("matrix")) {
+    for (const char* key : {"translation", "rotation", "scale"}) {
+      if (json.find(key))
+        warnings.warn("a node has both a matrix and a translation, rotation or scale; the matrix counts", json);
+    }
+    return read_matrix(*matrix, warnings);
+  }
+  const vec3 scale = json.vector_or("scale", vec3(1));
+  const auto rotation = json.find("rotation");
+  mat4 result = rotation ? glm::mat4_cast(read_rotation(*rotation, warnings)) : mat4(1.0f);
+  for (int i = 0; i < 3; ++i) result[i] *= scale[i];
+  result[3] = vec4(json.vector_or("translation", vec3(0)), 1);
+  return result;
+}
+
+FileNode read_node(const JsonView& root, const JsonView& json, std::size_t light_count, Warnings& warnings) {
+  FileNode node;
+  node.name = json.string_or("name");
+  node.parent_from_node = read_transform(json, warnings);
+  node.mesh = json.index_of("mesh", count_of(root, "meshes"), "mesh");
+  node.skin = json.index_of("skin", count_of(root, "skins"), "skin");
+  node.camera = json.index_of("camera", count_of(root, "cameras"), "camera");
+  if (const auto light = json.extension("KHR_lights_punctual")) {
+    node.light = light->at("light").index(light_count, "light");
+  }
+  return node;
+}
+
+void link_children(const JsonView& nodes_json, std::vector<FileNode>& nodes) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto children = nodes_json[i].find("children");
+    for (std::size_t k = 0; children && k < children->size(); ++k) {
+      const JsonView reference = (*children)[k];
+      const std::size_t child = reference.index(nodes.size(), "node");
+      auto& parent = nodes[child].parent;
+      if (parent) throw reference.error(fmt::format("node {} has two parents ({} and {})", child, *parent, i));
+      parent = i;
+      nodes[i].children.push_back(child);
+    }
+  }
+}
+
+/// Everything is reached from nodes without a parent, or stands in a cycle, because nobody has two parents.
+void compute_world(const JsonView& nodes_json, std::vector<FileNode>& nodes) {
+  std::vector<std::size_t> stack;
+  std::vector<bool> visited(nodes.size(), false);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!nodes[i].parent) stack.push_back(i);
+  }
+  while (!stack.empty()) {
+    FileNode& node = nodes[stack.back()];
+    const std::size_t index = stack.back();
+    visited[index] = true;
+    stack.pop_back();
+    node.world_from_node =
+        node.parent ? nodes[*node.parent].world_from_node * node.parent_from_node : node.parent_from_node;
+    if (!is_finite(node.world_from_node)) throw nodes_json[index].error("the node's world matrix is not finite");
+    stack.insert(stack.end(), node.children.begin(), node.children.end());
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!visited[i]) throw nodes_json[i].error(fmt::format("node {} is its own ancestor", i));
+  }
+}
+
+/// Roots of the default scene, of the first one, or of the whole file.
+std::vector<std::size_t> scene_roots(const JsonView& root, FileScene& scene) {
+  std::vector<std::size_t> roots;
+  const std::size_t count = count_of(root, "scenes");
+  const std::size_t chosen = root.index_of("scene", count, "scene").value_or(0);
+  if (count == 0) {
+    for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+      if (!scene.nodes[i].parent) roots.push_back(i);
+    }
+    return roots;
+  }
+  const JsonView json = root.at("scenes")[chosen];
+  scene.name = json.string_or("name");
+  const auto list = json.find("nodes");
+  for (std::size_t k = 0; list && k < list->size(); ++k) {
+    const JsonView reference = (*list)[k];
+    const std::size_t index = reference.index(scene.nodes.size(), "node");
+    const auto parent = scene.nodes[index].parent;
+    if (parent) throw reference.error(fmt::format("node {} is no root: it is a child of node {}", index, *parent));
+    roots.push_back(index);
+  }
+  return roots;
+}
+
+}  // namespace
+
+FileScene read_nodes(const JsonView& root, Warnings& warnings) {
+  FileScene scene;
+  std::size_t light_count = 0;
+  if (const auto lights = root.extension("KHR_lights_punctual")) light_count = count_of(*lights, "lights");
+  if (const auto nodes_json = root.find("nodes")) {
+    const std::size_t count = nodes_json->size();
+    for (std::size_t i = 0; i < count; ++i)
+      scene.nodes.push_back(read_node(root, (*nodes_json)[i], light_count, warnings));
+    link_children(*nodes_json, scene.nodes);
+    compute_world(*nodes_json, scene.nodes);
+  }
+  std::vector<std::size_t> stack = scene_roots(root, scene);
+  while (!stack.empty()) {
+    FileNode& node = scene.nodes[stack.back()];
+    stack.pop_back();
+    if (node.in_scene) continue;
+    node.in_scene = true;
+    stack.insert(stack.end(), node.children.begin(), node.children.end());
+  }
+  return scene;
+}
+
+}  // namespace candela::io

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "base/diagnostics.h"
+#include "io/json_view.h"
+
+namespace candela::io {
+
+/// Warnings of one load: the same message is given once, at the first place that caused it.
+class Warnings {
+ public:
+  explicit Warnings(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+
+  void warn(const std::string& message, const JsonView& place) {
+    if (given_.insert(message).second) diagnostics_.warn(message, place.where());
+  }
+
+ private:
+  Diagnostics& diagnostics_;
+  std::set<std::string> given_;
+};
+
+}  // namespace candela::io
