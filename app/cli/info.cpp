@@ -10,6 +10,7 @@
 #include "candela/candela.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "io/gltf.h"
 
 namespace candela::cli {
 
@@ -120,6 +121,22 @@ void describe_cameras_and_lights(const Scene& scene, Json& json, Table& table) {
   list(table, "lights", lines);
 }
 
+/// What the scene does not keep.
+void describe_file(const io::FileInfo& file, Json& json, Table& table) {
+  json["bytes"] = file.file_bytes;
+  json["generator"] = file.generator;
+  json["copyright"] = file.copyright;
+  json["extensions"] = {{"used", file.extensions_used}, {"required", file.extensions_required}};
+  json["animations"] = file.animations;
+  json["skins"] = file.skins;
+  table.row("file size", bytes_text(file.file_bytes));
+  if (!file.generator.empty()) table.row("generator", file.generator);
+  if (!file.copyright.empty()) table.row("copyright", file.copyright);
+  if (!file.extensions_used.empty()) table.row("extensions", fmt::format("{}", fmt::join(file.extensions_used, " ")));
+  if (file.animations > 0) table.row("animations", fmt::format("{}, shown at rest", file.animations));
+  if (file.skins > 0) table.row("skins", fmt::format("{}", file.skins));
+}
+
 }  // namespace
 
 void Table::row(const std::string& name, const std::string& value) {
@@ -136,7 +153,10 @@ std::string bytes_text(std::size_t bytes) {
 
 Report scene_report(const std::string& name) {
   Diagnostics diagnostics;
-  const Scene scene = load(name, &diagnostics);
+  io::FileInfo file;
+  const bool built_in = name.starts_with("demo:");
+  // Sizes are in the images' headers: a big file answers at once.
+  const Scene scene = built_in ? load(name) : io::load_gltf(name, diagnostics, {.decode_images = false}, &file);
   const Counts counts = count(scene);
 
   Json json{{"file", name},
@@ -166,6 +186,8 @@ Report scene_report(const std::string& name) {
   list(table, "materials", names);
   describe_images(scene, json, table);
   describe_cameras_and_lights(scene, json, table);
+
+  if (!built_in) describe_file(file, json, table);
 
   const Box3 bounds = world_bounds(scene);
   json["bounds"] = nullptr;
