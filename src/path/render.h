@@ -28,16 +28,16 @@ struct Background {
 struct Settings {
   int width = 1280;
   int height = 720;
-  int samples = 64;                    ///< per pixel; with a stop below, the most a pixel may take
-  std::optional<double> time_limit_s;  ///< stop after about this long
-  std::optional<float> noise;          ///< stop a pixel when its estimated relative error is below this, e.g. 0.01
-  int bounces = 8;                     ///< scattering events after the first hit is 1: `1` is direct light only
+  int samples = 64;                      ///< per pixel; with a stop below, the most a pixel may take
+  std::optional<double> time_limit_s{};  ///< stop after about this long
+  std::optional<float> noise{};          ///< stop a pixel when its estimated relative error is below this, e.g. 0.01
+  int bounces = 8;                       ///< scattering events after the first hit is 1: `1` is direct light only
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::box;
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
   Integrator integrator = Integrator::full;
-  Background background;
-  std::set<Layer> layers;
+  Background background{};
+  std::set<Layer> layers{};
 };
 
 struct Progress {
