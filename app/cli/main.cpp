@@ -42,15 +42,41 @@ std::string usage_hint(int argc, char** argv) {
   return std::string("Try 'candela ") + (known ? std::string(verb) + " " : "") + "--help'.\n";
 }
 
+/// Options as NAME VALUE, without remarks on what they exclude; groups one blank line apart.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() {
+    constexpr std::size_t kNameColumns = 40;
+    column_width(kNameColumns);
+    label("SUBCOMMAND", "VERB");
+    label("Subcommands", "Verbs");
+    label("OPTIONS", "options");
+  }
+
+  std::string make_option_opts(const CLI::Option* option) const override {
+    return option->get_type_name().empty() ? "" : " " + option->get_type_name();
+  }
+  std::string make_groups(const CLI::App* app, CLI::AppFormatMode) const override {
+    std::string text;
+    for (const std::string& group : app->get_groups()) {
+      const auto options = app->get_options(
+          [&](const CLI::Option* option) { return option->get_group() == group && option->nonpositional(); });
+      if (!group.empty() && !options.empty()) text += make_group(group, false, options);
+    }
+    return text;
+  }
+};
+
 int run(int argc, char** argv) {
   CLI::App app{"Candela: physically based pictures of glTF scenes"};
   app.name("candela");
-  app.set_version_flag("--version", std::string("candela ") + version());
+  app.set_version_flag("--version", std::string("candela ") + version(), "The version");
+  app.set_help_flag("-h,--help", "This text");
   app.require_subcommand(0, 1);
-  app.footer("`candela VERB --help` tells more, with examples.");
-  app.get_formatter()->column_width(38);
+  app.formatter(std::make_shared<HelpFormatter>());
   const Verb render = add_render(app);
   const Verb info = add_info(app);
+  app.footer("`candela VERB --help` tells more, with examples.");  // last, because verbs inherit it
 
   try {
     app.parse(argc, argv);

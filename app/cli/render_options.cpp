@@ -49,7 +49,7 @@ constexpr int kOpenEndedSamples = 1 << 16;  // where --time or --noise is meant 
 void add_picture(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Picture";
   verb->add_option("-o,--output", o.outputs,
-                   "File to write, as often as wanted; .exr and .hdr stay linear [SCENE's name .png]")
+                   "File to write, may be repeated; .exr and .hdr stay linear [SCENE's name .png]")
       ->type_name("FILE.{png,jpg,exr,hdr}")
       ->expected(1)
       ->allow_extra_args(false)
@@ -63,7 +63,7 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
             "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")
       ->group(group);
   add_value(verb, "--background", "env|transparent|COLOUR", o.settings.background, parse_background,
-            "Behind everything: #rrggbb (sRGB), r,g,b (linear), black, grey or white [env]")
+            "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
       ->group(group);
   add_value(verb, "--aov", "LIST", o.settings.layers, parse_layers,
             "Layers beside the picture in the .exr: albedo,normal,depth,position,id")
@@ -73,7 +73,7 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
 void add_sampling(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Sampling";
   add_value(verb, "--spp", "N", o.samples, count_within(1, kMostSamples),
-            "Samples per pixel, powers of two are best balanced [128; 65536 with --time or --noise]")
+            "Samples per pixel, best a power of two [128; 65536 with --time or --noise]")
       ->group(group);
   add_value(verb, "--time", "30s", o.settings.time_limit_s, parse_duration,
             "Stop after about this long: 500ms, 30s, 5min, 1.5h")
@@ -90,7 +90,7 @@ void add_sampling(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--filter", "NAME", o.settings.filter, parse_filter, "box, gaussian or blackman-harris [box]")
       ->group(group);
   add_value(verb, "--integrator", "NAME", o.settings.integrator, parse_integrator,
-            "full, or minimal: same mean from the material's sampling alone, for comparison [full]")
+            "full, or minimal: the same mean by following the material alone [full]")
       ->group(group);
 }
 
@@ -110,9 +110,9 @@ void add_camera(CLI::App* verb, RenderOptions& o) {
   CLI::Option* f_number = add_value(verb, "--f-number", "F", o.f_number, number_within(0.01f, 1000.0f),
                                     "Aperture of a lens on a 24 mm high sensor [everything is sharp]");
   CLI::Option* focus = add_value(verb, "--focus-distance", "M|auto", o.focus_distance, parse_focus,
-                                 "What is sharp with --f-number, metres [auto: --target or the subject's centre]");
+                                 "What is sharp, metres [auto: --target or the subject's centre]");
   CLI::Option* blades = add_value(verb, "--blades", "N", o.blades, count_within(0, 64),
-                                  "Corners of the aperture with --f-number, below 3 it is round [0]");
+                                  "Corners of the aperture, below 3 it is round [0]");
   CLI::Option* vignetting = add_value(verb, "--vignetting", "X", o.vignetting, number_within(0.0f, 1.0f),
                                       "Fall-off to the corners: 0 none, 1 natural [0]");
   camera->excludes(orbit)->excludes(eye);
@@ -129,9 +129,8 @@ void add_light(CLI::App* verb, RenderOptions& o) {
   const auto degrees_within = [](float low, float high) {
     return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
   };
-  add_value(
-      verb, "--env", "FILE|NAME", o.environment, text,
-      "Equirectangular .exr or .hdr, or studio, sky, sky:ELEVATION, furnace, none [the scene's wish, else studio]")
+  add_value(verb, "--env", "FILE|NAME", o.environment, text,
+            "An .exr or .hdr, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
       ->group(group);
   add_value(verb, "--sun-elevation", "DEG", o.sun_elevation, number_within(-90.0f, 90.0f),
             "Height of the sun: short for --env sky:DEG")
@@ -153,6 +152,7 @@ void add_running(CLI::App* verb, RenderOptions& o) {
       verb, "--stats", "FILE.json", o.stats, [](const std::string& value) { return fs::path(value); },
       "Times, rays, memory and warnings as JSON; - is standard output")
       ->group(group);
+  verb->get_help_ptr()->group(group);
   verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group(group);
   verb->add_flag("--strict", o.strict, "Warnings are errors")->group(group);
 }
