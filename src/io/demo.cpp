@@ -85,7 +85,7 @@ Scene make_spheres() {
   SceneBuilder builder("spheres");
   // The studio's lamps stand around a camera at azimuth 35°.
   const int root = builder.node("grid", -1, rotation_y(35.0f));
-  const Primitive shape = sphere(kRadius);
+  const Primitive shape = sphere(kRadius, 64);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (int column = 0; column < kColumns; ++column) {
       Material material;
@@ -198,7 +198,7 @@ Scene make_cornell() {
   // Focal length 35 mm on a 25 mm square.
   const vec3 eye = transform_point(room, vec3(278.0f, 273.0f, -800.0f));
   builder.camera(eye, eye - vec3(0.0f, 0.0f, 1.0f), degrees(2.0f * std::atan(12.5f / 35.0f)), 1.0f);
-  return builder.finish("none", 1.0f);
+  return builder.finish("none", 2.0f);
 }
 
 const std::vector<DemoInfo>& demos() {

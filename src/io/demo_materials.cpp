@@ -7,7 +7,7 @@
 namespace candela::io {
 namespace {
 
-constexpr float kBallRadius = 0.05f;
+constexpr float kBallRadius = 0.054f;
 
 float smoothstep(float from, float to, float x) {
   const float t = glm::clamp((x - from) / (to - from), 0.0f, 1.0f);
@@ -39,11 +39,9 @@ const vec3 kSteel(0.562f, 0.565f, 0.578f);
 const vec3 kSilver(0.972f, 0.960f, 0.915f);
 
 /// Overlapping shallow dents, as a round hammer leaves them.
-float hammered(vec2 uv, float cells) {
-  const auto period = ivec2(static_cast<int>(cells));
-  const Cells c = tiling_cells(uv * cells, period, 11);
-  const float dent = c.nearest * c.nearest;
-  return (0.85f * dent + 0.04f * tiling_fractal(uv * cells, period, 3, 0.5f, 7)) / (2.2f * cells);
+float hammered(vec2 uv, int cells) {
+  const float n = static_cast<float>(cells);
+  return 0.30f * tiling_dents(uv * n, ivec2(cells), 9.0f, 11) / n;
 }
 
 /// Growth rings cut lengthwise, drawn out along u, with pores.
@@ -100,12 +98,12 @@ void add_ball(SceneBuilder& builder, const std::string& name, const mat4& place,
   const vec3 center(0.0f, 1.21f, 0.0f);
   const mat4 lean(vec4(glm::cross(axis, side), 0.0f), vec4(axis, 0.0f), vec4(side, 0.0f), vec4(center, 1.0f));
 
-  const float slit = radians(95.0f), slit_width = radians(4.5f);
-  const Primitive front = lathe(shell_outline(0.87f, 1.0f, radians(37.0f), slit, 0.028f, 72), 256, vec2(2.0f, 1.0f));
-  const Primitive rear = lathe(shell_outline(0.87f, 1.0f, slit + slit_width, kPi, 0.028f, 96), 256, vec2(2.0f, 1.0f));
+  const float slit = radians(72.0f), slit_width = radians(4.5f);
+  const Primitive front = lathe(shell_outline(0.87f, 1.0f, radians(37.0f), slit, 0.026f, 36), 192, vec2(2.0f, 1.0f));
+  const Primitive rear = lathe(shell_outline(0.87f, 1.0f, slit + slit_width, kPi, 0.026f, 64), 192, vec2(2.0f, 1.0f));
   builder.node(name + " shell", builder.mesh(name + " shell", front, shell), lean, root);
   builder.node(name + " back", builder.mesh(name + " back", rear, shell), lean, root);
-  builder.node(name + " core", builder.mesh(name + " core", sphere(0.83f), core), translation(center), root);
+  builder.node(name + " core", builder.mesh(name + " core", sphere(0.83f, 64), core), translation(center), root);
 
   const std::array<OutlineCorner, 8> profile{{{{0.0f, 0.0f}},
                                               {{0.72f, 0.0f}, 0.02f},
@@ -122,7 +120,7 @@ void add_ball(SceneBuilder& builder, const std::string& name, const mat4& place,
 int hammered_copper(SceneBuilder& builder) {
   Material material = metal("hammered copper", kCopper, 0.16f);
   material.normal_texture =
-      builder.texture("hammered", normal_texture(1024, [](vec2 uv) { return hammered(uv, 14.0f); }), vec2(1.0f));
+      builder.texture("hammered", normal_texture(1024, [](vec2 uv) { return hammered(uv, 12); }), vec2(1.0f));
   return builder.material(material);
 }
 
@@ -132,7 +130,7 @@ int lacquered_walnut(SceneBuilder& builder) {
   material.metallic_roughness_texture = builder.texture(
       "walnut gloss", roughness_texture(1024, [](vec2 uv) { return vec2(0.16f + 0.35f * wood_pores(uv), 0.0f); }));
   material.normal_texture = builder.texture("walnut pores", normal_texture(1024, [](vec2 uv) {
-                                              return -0.00025f * wood_pores(uv) - 0.0004f * wood_grain(uv);
+                                              return -0.00025f * wood_pores(uv) - 0.0002f * wood_grain(uv);
                                             }));
   return builder.material(material);
 }
@@ -165,22 +163,24 @@ void add_lamp(SceneBuilder& builder, vec3 place, int foot, int parent) {
                         const float inside = rim ? 1.0f : smoothstep(size - 0.05f, size + 0.05f, glm::length(offset));
                         return vec4(vec3(1.0f), inside);
                       }));
-  const std::array<OutlineCorner, 2> cone{{{{0.060f, 0.070f}}, {{0.040f, 0.165f}}}};
+  const std::array<OutlineCorner, 2> cone{{{{0.052f, 0.062f}}, {{0.034f, 0.150f}}}};
   builder.node("lamp shade", builder.mesh("lamp shade", lathe(rounded_outline(cone), 192), builder.material(shade)),
                mat4(1.0f), root);
 
-  Material bulb = dielectric("bulb", vec3(0.0f), 0.5f);
-  bulb.emission = vec3(1.0f, 0.56f, 0.22f) * 55.0f;
-  builder.node("bulb", builder.mesh("bulb", sphere(0.013f, 16), builder.material(bulb)),
-               translation(vec3(0.0f, 0.122f, 0.0f)), root);
+  Material glow = dielectric("frosted tube", srgb(0xfff0dc), 0.6f);
+  glow.emission = vec3(1.0f, 0.60f, 0.26f) * 5.0f;
+  const std::array<OutlineCorner, 4> tube{
+      {{{0.0f, 0.070f}}, {{0.022f, 0.070f}, 0.008f}, {{0.022f, 0.145f}, 0.012f}, {{0.0f, 0.145f}}}};
+  builder.node("lamp tube", builder.mesh("lamp tube", lathe(rounded_outline(tube), 32), builder.material(glow)),
+               mat4(1.0f), root);
 
   const std::array<OutlineCorner, 7> stand{{{{0.0f, 0.0f}},
                                             {{0.042f, 0.0f}, 0.002f},
                                             {{0.042f, 0.007f}, 0.003f},
                                             {{0.0050f, 0.014f}, 0.012f},
-                                            {{0.0042f, 0.100f}, 0.004f},
-                                            {{0.0095f, 0.112f}, 0.003f},
-                                            {{0.0f, 0.112f}}}};
+                                            {{0.0042f, 0.060f}, 0.004f},
+                                            {{0.0120f, 0.070f}, 0.003f},
+                                            {{0.0f, 0.070f}}}};
   builder.node("lamp stand", builder.mesh("lamp stand", lathe(rounded_outline(stand), 96), foot), mat4(1.0f), root);
 }
 
@@ -221,7 +221,7 @@ void add_marbles(SceneBuilder& builder, int parent) {
   };
   const std::array<Marble, 6> marbles{{{dielectric("red glaze", srgb(0xb3121d), 0.05f), {-0.062f, 0.088f}, 0.0130f},
                                        {metal("silver", kSilver, 0.03f), {0.058f, 0.098f}, 0.0150f},
-                                       {dielectric("ivory glaze", srgb(0xefe6d2), 0.08f), {0.089f, 0.080f}, 0.0095f},
+                                       {dielectric("ivory glaze", srgb(0xefe6d2), 0.08f), {0.094f, 0.072f}, 0.0095f},
                                        {metal("satin gold", kGold, 0.22f), {-0.034f, 0.108f}, 0.0090f},
                                        {dielectric("black glaze", srgb(0x0c0c0e), 0.04f), {-0.172f, 0.070f}, 0.0140f},
                                        {dielectric("saffron", srgb(0xe0941b), 0.35f), {0.163f, 0.075f}, 0.0120f}}};
@@ -240,33 +240,38 @@ Scene make_materials() {
 
   Material paper = dielectric("slate", srgb(0x39464f), 0.42f);
   builder.node("backdrop",
-               builder.mesh("backdrop", backdrop_sweep(1.6f, 0.9f, -0.75f, 0.45f, 0.62f, 48), builder.material(paper)),
+               builder.mesh("backdrop", backdrop_sweep(1.5f, 0.9f, -1.5f, 0.5f, 0.52f, 64), builder.material(paper)),
                mat4(1.0f), root);
 
-  const int porcelain = builder.material(dielectric("petrol glaze", srgb(0x0b4f5c), 0.07f));
+  const int porcelain = builder.material(dielectric("petrol glaze", srgb(0x0e6576), 0.07f));
   const int gold = builder.material(metal("gold", kGold, 0.12f));
   const int steel = builder.material(metal("satin steel", kSteel, 0.3f));
-  const int rubber = builder.material(dielectric("rubber", srgb(0x1a1a1c), 0.65f));
+  const int black = builder.material(dielectric("black lacquer", srgb(0x141416), 0.18f));
   const int ivory = builder.material(dielectric("ivory", srgb(0xeae2d3), 0.25f));
   const int copper = hammered_copper(builder);
   const int walnut_wood = lacquered_walnut(builder);
   const int brass = brushed_brass(builder);
 
-  add_ball(builder, "centre ball", translation(vec3(0.0f, 0.0f, 0.03f)), vec3(0.45f, 0.55f, 1.0f), porcelain, gold,
+  add_ball(builder, "centre ball", translation(vec3(0.0f, 0.0f, 0.035f)) * scaling(1.12f), vec3(0.45f, 0.55f, 1.0f),
+           porcelain, gold, steel, root);
+  add_ball(builder, "left ball", translation(vec3(-0.135f, 0.0f, -0.02f)), vec3(0.75f, 0.6f, 0.8f), copper, black,
            steel, root);
-  add_ball(builder, "left ball", translation(vec3(-0.135f, 0.0f, -0.02f)), vec3(0.75f, 0.6f, 0.8f), copper, rubber,
-           rubber, root);
   add_ball(builder, "right ball", translation(vec3(0.135f, 0.0f, -0.02f)), vec3(-0.55f, 0.65f, 0.9f), walnut_wood,
            ivory, brass, root);
 
-  const Primitive knot = torus_knot(2, 3, 0.036f, 0.0155f, 0.0088f, 720, 48, vec2(14.0f, 1.0f));
+  const Primitive knot = torus_knot(2, 3, 0.034f, 0.0148f, 0.0084f, 720, 48, vec2(14.0f, 1.0f));
+  const vec3 knot_place(-0.062f, 0.0f, -0.165f);
   builder.node("knot", builder.mesh("knot", knot, brass),
-               translation(vec3(-0.055f, 0.0603f, -0.135f)) * rotation_y(18.0f) * rotation_z(30.0f), root);
-  add_cubes(builder, vec3(-0.245f, 0.0f, -0.10f), root);
-  add_lamp(builder, vec3(0.225f, 0.0f, -0.125f), steel, root);
+               translation(knot_place + vec3(0.0f, 0.122f, 0.0f)) * rotation_y(18.0f) * rotation_z(30.0f), root);
+  const std::array<OutlineCorner, 4> drum{
+      {{{0.0f, 0.0f}}, {{0.040f, 0.0f}, 0.002f}, {{0.040f, 0.066f}, 0.003f}, {{0.0f, 0.066f}}}};
+  builder.node("plinth", builder.mesh("plinth", lathe(rounded_outline(drum), 128), ivory), translation(knot_place),
+               root);
+  add_cubes(builder, vec3(-0.225f, 0.0f, -0.13f), root);
+  add_lamp(builder, vec3(0.212f, 0.0f, -0.125f), steel, root);
   add_marbles(builder, root);
 
-  builder.camera(vec3(0.0f, 0.215f, 0.78f), vec3(0.0f, 0.062f, -0.02f), 19.0f, 16.0f / 9.0f, root, 8.0f,
+  builder.camera(vec3(0.0f, 0.215f, 0.78f), vec3(0.0f, 0.072f, -0.02f), 20.5f, 16.0f / 9.0f, root, 8.0f,
                  vec3(0.0f, 0.06f, 0.075f));
   return builder.finish("studio", 1.0f);
 }

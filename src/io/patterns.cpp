@@ -1,8 +1,10 @@
 #include "io/patterns.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 #include "base/parallel.h"
 
@@ -31,12 +33,36 @@ std::uint32_t hash_cell(int x, int y, ivec2 period, std::uint32_t seed) {
 
 float unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
-float gradient(std::uint32_t bits, vec2 offset) {
-  const float angle = 2.0f * kPi * unit_float(bits);
-  return std::cos(angle) * offset.x + std::sin(angle) * offset.y;
+/// Unit gradients, evenly around the circle; many enough that no direction stands out.
+constexpr std::size_t kGradients = 64;
+const std::array<vec2, kGradients>& gradients() {
+  static const std::array<vec2, kGradients> table = [] {
+    std::array<vec2, kGradients> directions;
+    for (std::size_t i = 0; i < kGradients; ++i) {
+      const float angle = 2.0f * kPi * static_cast<float>(i) / static_cast<float>(kGradients);
+      directions[i] = vec2(std::cos(angle), std::sin(angle));
+    }
+    return directions;
+  }();
+  return table;
 }
 
 float fade(float t) { return t * t * t * (t * (6.0f * t - 15.0f) + 10.0f); }
+
+/// Calls visit(point, id) for the scattered points of the 3×3 cells around p.
+template <class F>
+void for_scattered_points(vec2 p, ivec2 period, std::uint32_t seed, const F& visit) {
+  const vec2 base = glm::floor(p);
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const int x = static_cast<int>(base.x) + dx, y = static_cast<int>(base.y) + dy;
+      const std::uint32_t id = hash_cell(x, y, period, seed);
+      visit(vec2(static_cast<float>(x), static_cast<float>(y)) + vec2(0.1f) +
+                0.8f * vec2(unit_float(hash(id)), unit_float(hash(id + 1))),
+            id);
+    }
+  }
+}
 
 float encode_srgb(float linear) {
   const float x = std::clamp(linear, 0.0f, 1.0f);
@@ -69,8 +95,10 @@ TexturePointer make_texture(int size, int bits, const F& write_texel) {
 float tiling_noise(vec2 p, ivec2 period, std::uint32_t seed) {
   const vec2 cell = glm::floor(p), f = p - cell;
   const int x = static_cast<int>(cell.x), y = static_cast<int>(cell.y);
+  const auto& directions = gradients();
   const auto corner = [&](int dx, int dy) {
-    return gradient(hash_cell(x + dx, y + dy, period, seed), f - vec2(static_cast<float>(dx), static_cast<float>(dy)));
+    const vec2 offset = f - vec2(static_cast<float>(dx), static_cast<float>(dy));
+    return glm::dot(directions[hash_cell(x + dx, y + dy, period, seed) % kGradients], offset);
   };
   const float u = fade(f.x), v = fade(f.y);
   // Gradient noise of unit gradients stays within ±√½.
@@ -90,25 +118,26 @@ float tiling_fractal(vec2 p, ivec2 period, int octaves, float gain, std::uint32_
 }
 
 Cells tiling_cells(vec2 p, ivec2 period, std::uint32_t seed) {
-  const vec2 base = glm::floor(p);
   Cells cells{.nearest = kInfinity, .second = kInfinity};
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      const int x = static_cast<int>(base.x) + dx, y = static_cast<int>(base.y) + dy;
-      const std::uint32_t id = hash_cell(x, y, period, seed);
-      const vec2 point = vec2(static_cast<float>(x), static_cast<float>(y)) + vec2(0.1f) +
-                         0.8f * vec2(unit_float(hash(id)), unit_float(hash(id + 1)));
-      const float distance = glm::length(p - point);
-      if (distance < cells.nearest) {
-        cells.second = cells.nearest;
-        cells.nearest = distance;
-        cells.cell = id;
-      } else {
-        cells.second = std::min(cells.second, distance);
-      }
+  for_scattered_points(p, period, seed, [&](vec2 point, std::uint32_t id) {
+    const float distance = glm::length(p - point);
+    if (distance < cells.nearest) {
+      cells.second = cells.nearest;
+      cells.nearest = distance;
+      cells.cell = id;
+    } else {
+      cells.second = std::min(cells.second, distance);
     }
-  }
+  });
   return cells;
+}
+
+float tiling_dents(vec2 p, ivec2 period, float sharpness, std::uint32_t seed) {
+  float sum = 0.0f;
+  for_scattered_points(p, period, seed, [&](vec2 point, std::uint32_t) {
+    sum += std::exp(-sharpness * glm::dot(p - point, p - point));
+  });
+  return -std::log(std::max(sum, 1e-30f)) / sharpness;
 }
 
 TexturePointer color_texture(int size, const std::function<vec3(vec2 uv)>& color) {
@@ -140,12 +169,24 @@ TexturePointer roughness_texture(int size, const std::function<vec2(vec2 uv)>& r
 }
 
 TexturePointer normal_texture(int size, const std::function<float(vec2 uv)>& height) {
-  const float step = 1.0f / static_cast<float>(size);
+  const auto count = static_cast<std::size_t>(size);
+  std::vector<float> heights(count * count);
+  parallel_for(0, count, 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y)
+      for (std::size_t x = 0; x < count; ++x)
+        heights[y * count + x] =
+            height((vec2(static_cast<float>(x), static_cast<float>(y)) + 0.5f) / static_cast<float>(size));
+  });
   return make_texture(size, 16, [&](vec2 uv, std::uint8_t* texel) {
-    const float dx = height({uv.x + 0.5f * step, uv.y}) - height({uv.x - 0.5f * step, uv.y});
-    const float dy = height({uv.x, uv.y + 0.5f * step}) - height({uv.x, uv.y - 0.5f * step});
+    const auto x = static_cast<std::size_t>(uv.x * static_cast<float>(size));
+    const auto y = static_cast<std::size_t>(uv.y * static_cast<float>(size));
+    const std::size_t left = (x + count - 1) % count, right = (x + 1) % count;
+    const std::size_t above = (y + count - 1) % count, below = (y + 1) % count;
+    const float scale = 0.5f * static_cast<float>(size);
+    const float dx = scale * (heights[y * count + right] - heights[y * count + left]);
+    const float dy = scale * (heights[below * count + x] - heights[above * count + x]);
     // +Y of a glTF normal texture is up, v runs down.
-    const vec3 normal = glm::normalize(vec3(-dx / step, dy / step, 1.0f));
+    const vec3 normal = glm::normalize(vec3(-dx, dy, 1.0f));
     std::uint16_t values[4];
     for (int k = 0; k < 3; ++k) values[k] = static_cast<std::uint16_t>((0.5f + 0.5f * normal[k]) * 65535.0f + 0.5f);
     values[3] = 65535;

@@ -24,6 +24,8 @@ struct Cells {
   std::uint32_t cell = 0;
 };
 Cells tiling_cells(vec2 p, ivec2 period, std::uint32_t seed);
+/// Squared distance to the nearest such point, with the creases between cells rounded; larger `sharpness` rounds less.
+float tiling_dents(vec2 p, ivec2 period, float sharpness, std::uint32_t seed);
 
 /// 8 bits, RGB encoded as sRGB from linear colour, alpha opaque.
 TexturePointer color_texture(int size, const std::function<vec3(vec2 uv)>& color);

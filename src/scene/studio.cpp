@@ -65,7 +65,7 @@ struct Softbox {
 /// The room: a light sweep that is brightest behind the subject where it meets the floor, dimmer above and below.
 vec3 backdrop(vec3 d) {
   const float elevation = degrees(std::asin(glm::clamp(d.y, -1.0f, 1.0f)));
-  const float above = 0.26f - 0.12f * smoothstep(0.0f, 75.0f, elevation);
+  const float above = 0.26f - 0.06f * smoothstep(0.0f, 75.0f, elevation);
   const float below = 0.26f - 0.16f * smoothstep(0.0f, 55.0f, -elevation);
   // A background lamp's pool of light low on the sweep, wider than high; round the back of the pool the angle wraps.
   const vec3 behind = around_camera(180.0f, 0.0f);
@@ -82,14 +82,14 @@ Environment make_studio() {
   const vec3 warm(1.04f, 1.0f, 0.94f), cool(0.95f, 1.0f, 1.07f), white(1.0f);
   const Softbox lamps[] = {
       // key: large, front left, above the camera
-      {around_camera(-48.0f, 38.0f), {15.0f, 15.0f}, 0.03f, 0.35f, 8.6f * warm},
+      {around_camera(-46.0f, 38.0f), {17.0f, 17.0f}, 0.03f, 0.35f, 7.6f * warm},
       // overhead: long, a little behind the subject so that tops shine
-      {around_camera(180.0f, 76.0f), {24.0f, 9.5f}, 0.03f, 0.35f, 8.0f * white},
+      {around_camera(180.0f, 76.0f), {24.0f, 10.0f}, 0.03f, 0.35f, 8.0f * white},
       // rims: narrow strips behind left and right
-      {around_camera(-128.0f, 22.0f), {4.5f, 26.0f}, 0.02f, 0.3f, 9.0f * cool},
-      {around_camera(118.0f, 24.0f), {6.0f, 28.0f}, 0.02f, 0.3f, 10.0f * cool},
+      {around_camera(-128.0f, 22.0f), {3.2f, 24.0f}, 0.016f, 0.3f, 8.0f * cool},
+      {around_camera(120.0f, 24.0f), {4.2f, 26.0f}, 0.018f, 0.3f, 9.0f * cool},
       // fill: wide and weak, front right
-      {around_camera(62.0f, 12.0f), {15.0f, 23.0f}, 0.09f, 0.3f, 0.9f * white},
+      {around_camera(62.0f, 12.0f), {15.0f, 23.0f}, 0.09f, 0.3f, 0.8f * white},
   };
 
   Image map(kWidth, kHeight, 3);
