@@ -214,8 +214,9 @@ float metered_exposure(const Film& film) {
   const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(trimmed);
   const auto high = sorted.end() - 1 - static_cast<std::ptrdiff_t>(trimmed);
   std::nth_element(sorted.begin(), low, sorted.end());
+  const float darkest = *low;
   std::nth_element(low, high, sorted.end());
-  const float darkest = *low, brightest = *high;
+  const float brightest = *high;
 
   // ----- log average; pixels equal to a limit stay, so that a flat picture keeps its pixels
   double sum = 0.0, weight = 0.0;

@@ -253,6 +253,7 @@ std::map<std::string, std::string> read_exr_metadata(const std::filesystem::path
     for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
       if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute()))
         metadata[attribute.name()] = text->value();
+    metadata.erase("type");  // the library adds it to files that have none
     return metadata;
   });
 }

@@ -3,7 +3,6 @@
 #include <array>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -37,30 +36,34 @@ struct JpegHeader {
   int colorspace = 0;
 };
 
+/// libjpeg goes on after damage with a warning and grey pixels. Only bytes between the segments, which many cameras
+/// leave, do no harm to the picture.
+void check(tjhandle handle, int result, const std::string& where) {
+  if (result == 0) return;
+  const std::string message = tjGetErrorStr2(handle);
+  if (tjGetErrorCode(handle) == TJERR_WARNING && message.find("extraneous bytes") != std::string::npos) return;
+  throw Error("damaged JPEG: " + message, where);
+}
+
 JpegHeader read_header(tjhandle handle, std::span<const std::byte> bytes, const std::string& where) {
   JpegHeader header;
   int subsampling = 0;
-  if (tjDecompressHeader3(handle, jpeg_data(bytes), static_cast<unsigned long>(bytes.size()), &header.width,
-                          &header.height, &subsampling, &header.colorspace) != 0)
-    throw Error(std::string("damaged JPEG: ") + tjGetErrorStr2(handle), where);
+  const int result = tjDecompressHeader3(handle, jpeg_data(bytes), static_cast<unsigned long>(bytes.size()),
+                                         &header.width, &header.height, &subsampling, &header.colorspace);
+  check(handle, result, where);
   if (header.width > codec::kMaxTextureSize || header.height > codec::kMaxTextureSize)
     throw Error("image of " + std::to_string(header.width) + " x " + std::to_string(header.height) + " is too large",
                 where);
   return header;
 }
 
-/// libjpeg goes on after damage with a warning and grey pixels. Only bytes between the segments, which many cameras
-/// leave, do no harm to the picture.
-bool is_harmless(std::string_view warning) { return warning.find("extraneous bytes") != std::string_view::npos; }
-
 void decompress(tjhandle handle, std::span<const std::byte> bytes, const JpegHeader& header, TJPF format,
                 std::uint8_t* pixels, const std::string& where) {
   // A progressive file of a few kilobytes may hold thousands of scans over the whole picture: LIMITSCANS stops at 500.
   const int flags = TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS;
-  const int failed = tjDecompress2(handle, jpeg_data(bytes), static_cast<unsigned long>(bytes.size()), pixels,
+  const int result = tjDecompress2(handle, jpeg_data(bytes), static_cast<unsigned long>(bytes.size()), pixels,
                                    header.width, 0, header.height, format, flags);
-  if (failed && !(tjGetErrorCode(handle) == TJERR_WARNING && is_harmless(tjGetErrorStr2(handle))))
-    throw Error(std::string("damaged JPEG: ") + tjGetErrorStr2(handle), where);
+  check(handle, result, where);
 }
 
 /// Adobe's inverted CMYK (255 = no ink), which is what JPEG files hold in practice, to RGBA.

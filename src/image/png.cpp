@@ -1,4 +1,5 @@
 #include <png.h>
+#include <zlib.h>
 
 #include <bit>
 #include <cstring>
@@ -146,9 +147,12 @@ void write_all(PngWriter& writer) {
                8, writer.opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB_gAMA_and_cHRM(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+  // Measured on 1280 x 720 rendered pictures with little and much noise, against level 1 and other filters: the
+  // smallest files among those that take less than 45 ms on one core (level 6 with all filters: 1 % to 30 % smaller,
+  // 200 to 500 ms).
+  png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_AVG);
   png_set_compression_level(writer.png, 1);
-  png_set_compression_strategy(writer.png, PNG_Z_DEFAULT_STRATEGY);
+  png_set_compression_strategy(writer.png, Z_RLE);
   png_write_info(writer.png, writer.info);
   for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y) {
     const std::uint8_t* rgba = image.rgba.data() + y * width * 4;

@@ -1,0 +1,132 @@
+#include "base/file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+
+#include "base/error.h"
+#include "unit/base/temp_folder.h"
+
+namespace candela {
+namespace {
+
+using test::FullDisk;
+using test::TempFolder;
+
+std::string text_of(const std::filesystem::path& path) {
+  std::string text;
+  for (const std::byte b : read_file(path)) text.push_back(static_cast<char>(b));
+  return text;
+}
+
+TEST(unit_base_file, commit_makes_the_file_appear_whole) {
+  const TempFolder folder;
+  const auto target = folder / "picture.png";
+  {
+    AtomicFile file(target);
+    std::ofstream(file.temp_path()) << "whole";
+    EXPECT_FALSE(exists(target));
+    EXPECT_EQ(file.temp_path().extension(), ".png");
+    EXPECT_EQ(file.temp_path().parent_path(), folder.path());
+    file.commit();
+  }
+  EXPECT_EQ(text_of(target), "whole");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(unit_base_file, nothing_is_left_after_an_exception) {
+  const TempFolder folder;
+  try {
+    AtomicFile file(folder / "picture.png");
+    std::ofstream(file.temp_path()) << "half";
+    throw 1;
+  } catch (int) {
+  }
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(unit_base_file, an_uncommitted_file_leaves_the_old_one_alone) {
+  const TempFolder folder;
+  const auto target = folder / "a.txt";
+  write_file(target, std::string("old"));
+  {
+    AtomicFile file(target);
+    std::ofstream(file.temp_path()) << "new";
+  }
+  EXPECT_EQ(text_of(target), "old");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(unit_base_file, writing_replaces_the_old_file) {
+  const TempFolder folder;
+  write_file(folder / "a.txt", std::string("a longer old text"));
+  write_file(folder / "a.txt", std::string("new"));
+  EXPECT_EQ(text_of(folder / "a.txt"), "new");
+}
+
+TEST(unit_base_file, writing_follows_the_umask) {
+  const TempFolder folder;
+  const mode_t before = umask(022);
+  write_file(folder / "a.txt", std::string("x"));
+  umask(before);
+  EXPECT_EQ(static_cast<int>(std::filesystem::status(folder / "a.txt").permissions()), 0644);
+}
+
+TEST(unit_base_file, a_missing_folder_is_an_error_that_names_the_target) {
+  const TempFolder folder;
+  try {
+    write_file(folder / "missing" / "a.txt", std::string("x"));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.where(), (folder / "missing" / "a.txt").string());
+  }
+}
+
+TEST(unit_base_file, a_folder_is_no_target) {
+  const TempFolder folder;
+  create_directory(folder / "taken");
+  EXPECT_THROW(AtomicFile{folder / "taken"}, Error);
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(unit_base_file, a_full_disk_is_an_error_and_leaves_no_file) {
+  const TempFolder folder;
+  write_file(folder / "a.txt", std::string("old"));
+  const std::string large(1 << 20, 'x');
+  {
+    const FullDisk full(4096);
+    EXPECT_THROW(write_file(folder / "a.txt", large), Error);
+    EXPECT_THROW(write_file(folder / "b.txt", large), Error);
+  }
+  EXPECT_EQ(text_of(folder / "a.txt"), "old");
+  EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(unit_base_file, reading_returns_every_byte) {
+  const TempFolder folder;
+  std::string all;
+  for (int i = 0; i < 1000; ++i) all.push_back(static_cast<char>(i * 37));
+  write_file(folder / "a.bin", all);
+  EXPECT_EQ(text_of(folder / "a.bin"), all);
+  write_file(folder / "empty", std::string());
+  EXPECT_TRUE(read_file(folder / "empty").empty());
+}
+
+TEST(unit_base_file, what_is_no_readable_file_is_an_error_that_names_it) {
+  const TempFolder folder;
+  write_file(folder / "a.bin", std::string(11, 'x'));
+  EXPECT_EQ(read_file(folder / "a.bin", 11).size(), 11u);
+  EXPECT_THROW(read_file(folder / "a.bin", 10), Error);
+  EXPECT_THROW(read_file(folder.path()), Error);
+  EXPECT_THROW(read_file("/dev/null"), Error);
+  try {
+    read_file(folder / "missing");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.where(), (folder / "missing").string());
+  }
+}
+
+}  // namespace
+}  // namespace candela

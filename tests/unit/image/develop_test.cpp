@@ -1,0 +1,268 @@
+#include "image/develop.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "shade/color.glsl.h"
+#include "shade/tonemap.glsl.h"
+#include "unit/base/temp_folder.h"
+#include "unit/image/image_util.h"
+
+namespace candela {
+namespace {
+
+constexpr ToneCurve kCurves[] = {ToneCurve::pbr_neutral, ToneCurve::agx,         ToneCurve::aces,
+                                 ToneCurve::reinhard,    ToneCurve::exponential, ToneCurve::linear};
+
+Film flat_film(int width, int height, vec3 color, float alpha = 1.0f) {
+  Film film;
+  film.beauty = Image(width, height, 4);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      film.beauty.set_rgb(x, y, color * alpha);
+      film.beauty.at(x, y)[3] = alpha;
+    }
+  }
+  return film;
+}
+
+double mean_code(const DisplayImage& image, std::size_t channel) {
+  double sum = 0.0;
+  for (std::size_t i = channel; i < image.rgba.size(); i += 4) sum += image.rgba[i];
+  return sum * 4.0 / static_cast<double>(image.rgba.size());
+}
+
+TEST(unit_image_develop, without_dither_every_curve_is_rounded_from_the_shared_functions) {
+  Film film;
+  film.beauty = test::random_image(64, 64, 3);
+  for (const ToneCurve curve : kCurves) {
+    SCOPED_TRACE(tone_curve_name(curve));
+    const DisplayImage image = develop(film, {.exposure = 0.7f, .tone_curve = curve, .dither = false});
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        const vec3 shown = shade::tone_map(static_cast<int>(curve), film.beauty.rgb(x, y) * 0.7f);
+        const vec3 exact = shade::srgb_encode(shown) * 255.0f;
+        const std::uint8_t* p = image.rgba.data() + (y * 64 + x) * 4;
+        // The table may only move a value across a rounding limit that it lies on.
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(static_cast<float>(p[c]), exact[c], 0.5f + 5e-4f);
+        ASSERT_EQ(p[3], 255);
+      }
+    }
+  }
+}
+
+TEST(unit_image_develop, every_code_value_survives_decoding_and_developing) {
+  Film film;
+  film.beauty = Image(256, 1, 3);
+  for (int i = 0; i < 256; ++i)
+    film.beauty.set_rgb(i, 0, vec3(shade::srgb_decode_channel(static_cast<float>(i) / 255.0f)));
+  const DisplayImage image = develop(film, {.exposure = 1.0f, .tone_curve = ToneCurve::linear, .dither = false});
+  for (std::size_t i = 0; i < 256; ++i) EXPECT_EQ(image.rgba[i * 4], i);
+}
+
+TEST(unit_image_develop, dither_keeps_the_mean_that_rounding_loses) {
+  for (const float between : {10.3f, 100.6f, 200.8f}) {
+    const Film film = flat_film(128, 128, vec3(shade::srgb_decode_channel(between / 255.0f)));
+    DevelopSettings settings{.exposure = 1.0f, .tone_curve = ToneCurve::linear, .dither = true};
+    const DisplayImage image = develop(film, settings);
+    EXPECT_NEAR(mean_code(image, 0), static_cast<double>(between), 0.01);
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+      ASSERT_NEAR(static_cast<float>(image.rgba[i]), between, 1.0f);  // at most the two neighbours
+      ASSERT_EQ(image.rgba[i], image.rgba[i + 1]);                    // grey stays grey
+      ASSERT_EQ(image.rgba[i], image.rgba[i + 2]);
+    }
+    settings.dither = false;
+    EXPECT_NEAR(mean_code(develop(film, settings), 0), std::round(static_cast<double>(between)), 0.5001);
+    EXPECT_EQ(std::fmod(mean_code(develop(film, settings), 0), 1.0), 0.0);
+  }
+}
+
+TEST(unit_image_develop, dither_is_even_in_every_small_window) {
+  const float between = 100.5f;
+  const Film film = flat_film(256, 256, vec3(shade::srgb_decode_channel(between / 255.0f)));
+  const DisplayImage image = develop(film, {.exposure = 1.0f, .tone_curve = ToneCurve::linear});
+  for (int y0 = 0; y0 < 256; y0 += 8) {
+    for (int x0 = 0; x0 < 256; x0 += 8) {
+      double sum = 0.0;
+      for (int y = y0; y < y0 + 8; ++y)
+        for (int x = x0; x < x0 + 8; ++x) sum += image.rgba[static_cast<std::size_t>((y * 256 + x) * 4)];
+      // 64 independent choices would have a deviation of 0.0625; 32 x 32 windows of them would reach past 0.19.
+      EXPECT_NEAR(sum / 64.0, 100.5, 0.1);
+    }
+  }
+}
+
+TEST(unit_image_develop, black_and_white_are_never_dithered) {
+  for (const ToneCurve curve : kCurves) {
+    const DisplayImage black = develop(flat_film(300, 200, vec3(0.0f)), {.exposure = 1.0f, .tone_curve = curve});
+    EXPECT_EQ(mean_code(black, 0), 0.0) << tone_curve_name(curve);
+  }
+  const DisplayImage white =
+      develop(flat_film(300, 200, vec3(1.0f)), {.exposure = 1.0f, .tone_curve = ToneCurve::linear});
+  for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(mean_code(white, c), 255.0);
+}
+
+TEST(unit_image_develop, the_picture_does_not_depend_on_threads) {
+  Film film;
+  film.beauty = test::random_image(211, 97, 4);
+  std::vector<std::uint8_t> first;
+  for (const int threads : {1, 2, 5}) {
+    const ThreadLimit limit(threads);
+    const DisplayImage image = develop(film, {});
+    if (first.empty()) first = image.rgba;
+    EXPECT_EQ(image.rgba, first);
+  }
+}
+
+TEST(unit_image_develop, non_finite_pixels_are_black_or_white_in_every_curve) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Film film;
+  film.beauty = Image(4, 1, 4);
+  film.beauty.set_rgb(0, 0, vec3(nan, nan, nan));
+  film.beauty.set_rgb(1, 0, vec3(kInfinity, 0.0f, 1.0f));
+  film.beauty.set_rgb(2, 0, vec3(-kInfinity, -1.0f, 0.0f));
+  film.beauty.set_rgb(3, 0, vec3(1.0f));
+  for (int x = 0; x < 3; ++x) film.beauty.at(x, 0)[3] = 1.0f;
+  film.beauty.at(3, 0)[3] = nan;
+  for (const ToneCurve curve : kCurves) {
+    const DisplayImage image = develop(film, {.exposure = 1.0f, .tone_curve = curve});
+    const std::vector<std::uint8_t> expected{0, 0, 0, 255, 255, 255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 0};
+    EXPECT_EQ(image.rgba, expected) << tone_curve_name(curve);
+  }
+}
+
+TEST(unit_image_develop, alpha_is_straight_in_the_display_image) {
+  for (const float alpha : {0.25f, 0.5f, 1.0f}) {
+    const DisplayImage image = develop(flat_film(2, 2, vec3(0.3f), alpha),
+                                       {.exposure = 1.0f, .tone_curve = ToneCurve::linear, .dither = false});
+    EXPECT_NEAR(static_cast<float>(image.rgba[0]), 255.0f * shade::srgb_encode_channel(0.3f), 0.5f);
+    EXPECT_NEAR(static_cast<float>(image.rgba[3]), 255.0f * alpha, 0.5f);
+  }
+  const DisplayImage clear = develop(flat_film(1, 1, vec3(0.3f), 0.0f), {.exposure = 1.0f});
+  EXPECT_EQ(clear.rgba, (std::vector<std::uint8_t>{0, 0, 0, 0}));
+}
+
+TEST(unit_image_develop, tone_curve_names_are_those_of_the_command_line) {
+  for (const char* name : {"pbr-neutral", "agx", "aces", "reinhard", "exponential", "linear"})
+    EXPECT_EQ(tone_curve_name(parse_tone_curve(name)), name);
+  EXPECT_THROW(parse_tone_curve("filmic"), Error);
+  EXPECT_THROW(parse_tone_curve(""), Error);
+}
+
+TEST(unit_image_exposure, text_means_what_the_manual_says) {
+  EXPECT_EQ(parse_exposure("auto"), std::nullopt);
+  EXPECT_FLOAT_EQ(parse_exposure("0").value(), 1.0f);
+  EXPECT_FLOAT_EQ(parse_exposure("-1.5").value(), std::exp2(-1.5f));
+  EXPECT_FLOAT_EQ(parse_exposure("+2").value(), 4.0f);
+  // f/1 for 1 s at ISO 100 is EV100 = 0; f/8, 1/125 s is 2^EV = 64 · 125 = 8000.
+  EXPECT_FLOAT_EQ(parse_exposure("f/1,1,100").value(), 1.0f / 1.2f);
+  EXPECT_FLOAT_EQ(parse_exposure("f/8,1/125,100").value(), 1.0f / (1.2f * 8000.0f));
+  EXPECT_FLOAT_EQ(parse_exposure("f/8,0.008,400").value(), 1.0f / (1.2f * 2000.0f));
+}
+
+TEST(unit_image_exposure, anything_else_is_an_error) {
+  for (const char* text : {"",
+                           "Auto",
+                           "bright",
+                           "1.5x",
+                           "nan",
+                           "inf",
+                           "++1",
+                           "1e9",
+                           "-1e9",
+                           "f/8",
+                           "f/8,1/125",
+                           "8,1/125,100",
+                           "f/0,1/125,100",
+                           "f/8,1/0,100",
+                           "f/8,-1,100",
+                           "f/8,1/125,0",
+                           "f/8,1/125,100,",
+                           "f/8,1/125,100 ",
+                           "f/8,1/,100",
+                           "f/8,,100",
+                           "f/-8,1,100",
+                           "f/nan,1,100"})
+    EXPECT_THROW(parse_exposure(text), Error) << text;
+}
+
+TEST(unit_image_exposure, a_flat_picture_is_exposed_to_middle_grey) {
+  EXPECT_FLOAT_EQ(metered_exposure(flat_film(30, 20, vec3(2.0f))), 0.09f);
+  EXPECT_FLOAT_EQ(metered_exposure(flat_film(1, 1, vec3(0.001f))), 180.0f);
+  EXPECT_FLOAT_EQ(metered_exposure(flat_film(4, 4, vec3(0.0f))), 1.0f);
+  EXPECT_FLOAT_EQ(metered_exposure(Film{}), 1.0f);
+}
+
+TEST(unit_image_exposure, the_log_average_is_metered_and_black_is_left_out) {
+  Film film = flat_film(20, 20, vec3(0.0f));
+  for (int y = 0; y < 10; ++y)
+    for (int x = 0; x < 20; ++x) film.beauty.set_rgb(x, y, vec3(x < 10 ? 0.25f : 4.0f));
+  EXPECT_NEAR(metered_exposure(film), 0.18f, 1e-6f);  // √(0.25 · 4) = 1
+}
+
+TEST(unit_image_exposure, the_outermost_percent_does_not_count) {
+  Film film = flat_film(100, 10, vec3(1.0f));
+  for (int x = 0; x < 10; ++x) {
+    film.beauty.set_rgb(x, 0, vec3(1e6f));
+    film.beauty.set_rgb(x, 1, vec3(1e-9f));
+  }
+  EXPECT_NEAR(metered_exposure(film), 0.18f, 1e-6f);
+  film.beauty.set_rgb(50, 5, vec3(1e6f));  // the eleventh of 1000
+  EXPECT_LT(metered_exposure(film), 0.1799f);
+}
+
+TEST(unit_image_exposure, coverage_is_the_weight_and_does_not_darken) {
+  EXPECT_NEAR(metered_exposure(flat_film(9, 9, vec3(1.0f), 0.25f)), 0.18f, 1e-6f);
+  Film film = flat_film(20, 20, vec3(1.0f));
+  for (int y = 0; y < 10; ++y) {
+    for (int x = 0; x < 20; ++x) {
+      film.beauty.set_rgb(x, y, vec3(16.0f * 0.25f));
+      film.beauty.at(x, y)[3] = 0.25f;
+    }
+  }
+  EXPECT_NEAR(metered_exposure(film), 0.18f * std::exp2(-4.0f * 0.25f / 1.25f), 1e-5f);
+}
+
+TEST(unit_image_exposure, a_broken_pixel_does_not_break_the_meter) {
+  Film film = flat_film(9, 9, vec3(1.0f));
+  film.beauty.set_rgb(0, 0, vec3(std::nanf("")));
+  film.beauty.set_rgb(1, 0, vec3(kInfinity));
+  film.beauty.set_rgb(2, 0, vec3(-1.0f));
+  film.beauty.at(3, 0)[3] = std::nanf("");
+  EXPECT_NEAR(metered_exposure(film), 0.18f, 1e-6f);
+}
+
+TEST(unit_image_write_film, linear_formats_ignore_exposure_and_curve) {
+  const test::TempFolder folder;
+  Film film;
+  film.beauty = test::random_image(20, 10, 3);
+  const DevelopSettings settings{.exposure = 100.0f, .tone_curve = ToneCurve::agx};
+  write_film(folder / "a.EXR", film, settings);
+  EXPECT_EQ(read_image(folder / "a.EXR").pixels, film.beauty.pixels);
+  write_film(folder / "a.hdr", film, settings);
+  EXPECT_NEAR(read_image(folder / "a.hdr").pixels[5], film.beauty.pixels[5], film.beauty.pixels[5] * 0.1f + 0.5f);
+}
+
+TEST(unit_image_write_film, png_holds_the_developed_picture) {
+  const test::TempFolder folder;
+  Film film;
+  film.beauty = test::random_image(20, 10, 4);
+  write_film(folder / "a.png", film, {.exposure = 1.0f});
+  EXPECT_EQ(decode_texture(read_file(folder / "a.png"), "t").pixels, develop(film, {.exposure = 1.0f}).rgba);
+}
+
+TEST(unit_image_write_film, unknown_extensions_are_refused_before_rendering) {
+  for (const char* name : {"a.png", "a.jpg", "a.JPEG", "a.hdr", "dir.x/a.exr"})
+    EXPECT_NO_THROW(check_output_extension(name));
+  for (const char* name : {"a", "a.", ".png", "a.gif", "a.png/b", "a.pngx"})
+    EXPECT_THROW(check_output_extension(name), Error) << name;
+  const test::TempFolder folder;
+  EXPECT_THROW(write_film(folder / "a.webp", Film{}, {}), Error);
+}
+
+}  // namespace
+}  // namespace candela
