@@ -23,7 +23,7 @@ class Distribution1D {
   explicit Distribution1D(std::span<const float> weights);
 
   bool empty() const { return cdf_.empty(); }
-  int size() const { return static_cast<int>(cdf_.size()) - 1; }
+  int size() const { return cdf_.empty() ? 0 : static_cast<int>(cdf_.size()) - 1; }
   double total() const { return total_; }
   Sample sample(float u) const;
   float pmf(int index) const {
@@ -37,7 +37,7 @@ class Distribution1D {
   double total_ = 0.0;
 };
 
-/// A piecewise constant density over [0,1)²; row-major weights of `width` × `height` cells.
+/// A piecewise constant density over [0,1)²; row-major weights of `width` × `height` cells, width at most 65536.
 class Distribution2D {
  public:
   struct Sample {
@@ -49,14 +49,22 @@ class Distribution2D {
   Distribution2D() = default;
   Distribution2D(std::span<const float> weights, int width, int height);
 
-  bool empty() const { return rows_.empty(); }
+  bool empty() const { return cdf_.empty(); }
   double total() const { return marginal_.total(); }  ///< sum of the weights
   Sample sample(vec2 u) const;
   float pdf(ivec2 cell) const;
 
  private:
+  static constexpr std::size_t kGuideCells = 16;  ///< cells per guide entry
+
+  const float* row_cdf(std::size_t y) const { return cdf_.data() + y * (width_ + 1); }
+
+  std::size_t width_ = 0;
+  std::size_t height_ = 0;
   Distribution1D marginal_;
-  std::vector<Distribution1D> rows_;
+  std::vector<float> cdf_;            ///< height × (width + 1)
+  std::vector<std::uint16_t> guide_;  ///< height × (guide_size_ + 1): stays in cache, unlike cdf_
+  std::size_t guide_size_ = 0;
 };
 
 }  // namespace candela

@@ -7,7 +7,10 @@
 namespace candela::path {
 
 Camera::Camera(const View& view, int width, int height)
-    : world_from_camera_(view.world_from_camera), lens_(view.lens), film_size_(width, height) {
+    : axes_{vec3(view.world_from_camera[0]), vec3(view.world_from_camera[1]), vec3(view.world_from_camera[2])},
+      eye_(view.world_from_camera[3]),
+      lens_(view.lens),
+      film_size_(width, height) {
   const float aspect = film_size_.x / film_size_.y;
   if (const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection)) {
     const float half = std::tan(0.5f * perspective->yfov);
@@ -49,13 +52,12 @@ Camera::Sample Camera::generate(vec2 film, vec2 u) const {
     origin += vec3(sample_aperture(u) * lens_.radius, 0.0f);
     direction = focus - origin;
   }
-  direction = glm::normalize(direction);
   if (lens_.vignetting > 0.0f && !is_orthographic_) {
-    const float cos2 = direction.z * direction.z;
+    const float cos2 = direction.z * direction.z / glm::dot(direction, direction);
     sample.weight = glm::mix(1.0f, cos2 * cos2, lens_.vignetting);
   }
-  sample.ray.origin = transform_point(world_from_camera_, origin);
-  sample.ray.direction = glm::normalize(transform_vector(world_from_camera_, direction));
+  sample.ray.origin = eye_ + axes_.to_world(origin);
+  sample.ray.direction = glm::normalize(axes_.to_world(direction));
   return sample;
 }
 

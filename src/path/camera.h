@@ -1,5 +1,6 @@
 #pragma once
 
+#include "math/frame.h"
 #include "path/geometry.h"
 #include "scene/view.h"
 
@@ -22,7 +23,8 @@ class Camera {
  private:
   vec2 sample_aperture(vec2 u) const;
 
-  mat4 world_from_camera_;
+  Frame axes_;  ///< right, up and backwards in world space, scale included
+  vec3 eye_;
   Lens lens_;
   vec2 film_size_;
   vec2 half_extent_;  ///< of the film at distance 1, or in metres when orthographic

@@ -10,7 +10,7 @@ namespace candela::path {
 namespace {
 
 /// atan(x) for x in [0, 1]; Abramowitz & Stegun 1964, eq. 4.4.49, |error| ≤ 2e-8.
-float atan_unit(float x) {
+inline float atan_unit(float x) {
   const float s = x * x;
   float p = 0.0028662257f;
   p = p * s - 0.0161657367f;
@@ -24,7 +24,7 @@ float atan_unit(float x) {
 }
 
 /// Angle of (x, y) in [-π, π], as std::atan2; several times faster, which matters for every ray that hits nothing.
-float fast_atan2(float y, float x) {
+inline float fast_atan2(float y, float x) {
   const float ax = std::abs(x);
   const float ay = std::abs(y);
   const float longer = std::max(ax, ay);
@@ -154,7 +154,8 @@ EnvironmentLight::Value EnvironmentLight::evaluate(vec3 direction) const {
     const int y = std::min(static_cast<int>(uv.y * static_cast<float>(height_)), height_ - 1);
     const float density =
         texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)].w;
-    const float sin_theta = std::sqrt(std::max(1.0f - direction.y * direction.y, 1e-12f));
+    // Not from 1 - y², which has few digits left beside the poles.
+    const float sin_theta = std::max(std::sqrt(direction.x * direction.x + direction.z * direction.z), 1e-6f);
     value.pdf = density / (2.0f * kPi * kPi * sin_theta);
   }
   return value;

@@ -28,8 +28,26 @@ vec3 keep_reflection_outside(vec3 ns, vec3 ng, vec3 wo) {
   return glm::normalize(wo + glm::normalize(reflected + (limit - above) * ng));
 }
 
-shade::SurfaceParams fetch_params(const MeshData& mesh, const uvec3& t, vec3 b, vec3 base_color) {
-  const MaterialData& material = *mesh.material;
+/// All textures of a material at one point, located before the first is read.
+struct MaterialFootprints {
+  TextureReader::Footprint base_color, metallic_roughness, normal, emissive, specular, specular_color;
+
+  MaterialFootprints(const MeshData& mesh, const uvec3& t, vec3 b) {
+    const MaterialData& m = *mesh.material;
+    const vec2 uv0 = mesh.uv(t, b, 0);
+    const auto locate = [&](const TextureReader& texture, TextureReader::Footprint& footprint) {
+      if (texture) footprint = texture.locate(texture.uv_set() == 0 ? uv0 : mesh.uv(t, b, 1));
+    };
+    locate(m.base_color, base_color);
+    locate(m.metallic_roughness, metallic_roughness);
+    locate(m.normal, normal);
+    locate(m.emissive, emissive);
+    locate(m.specular, specular);
+    locate(m.specular_color, specular_color);
+  }
+};
+
+shade::SurfaceParams fetch_params(const MaterialData& material, const MaterialFootprints& at, vec3 base_color) {
   const Material& m = material.factors;
   shade::SurfaceParams params;
   params.base_color = base_color;
@@ -39,14 +57,12 @@ shade::SurfaceParams fetch_params(const MeshData& mesh, const uvec3& t, vec3 b, 
   params.specular = m.specular;
   params.specular_color = m.specular_color;
   if (material.metallic_roughness) {
-    const vec4 texel = material.metallic_roughness.sample(mesh.uv(t, b, material.metallic_roughness.uv_set()));
+    const vec4 texel = material.metallic_roughness.read(at.metallic_roughness);
     params.roughness *= texel.y;
     params.metallic *= texel.z;
   }
-  if (material.specular) params.specular *= material.specular.sample(mesh.uv(t, b, material.specular.uv_set())).w;
-  if (material.specular_color) {
-    params.specular_color *= vec3(material.specular_color.sample(mesh.uv(t, b, material.specular_color.uv_set())));
-  }
+  if (material.specular) params.specular *= material.specular.read(at.specular).w;
+  if (material.specular_color) params.specular_color *= vec3(material.specular_color.read(at.specular_color));
   return params;
 }
 
@@ -95,6 +111,7 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   const uvec3 t = mesh.triangles[hit.triangle];
   const vec3 b(1.0f - hit.u - hit.v, hit.u, hit.v);
   const vec3 wo = -direction;
+  const MaterialFootprints at(mesh, t, b);
 
   // ----- the facet
   SurfacePoint point;
@@ -128,7 +145,7 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
     const vec3 front = point.is_back ? -ns : ns;
     const bool flip = (t0.w < 0.0f) != (!placement.is_world && placement.is_mirrored);
     const Frame frame = frame_from_tangent(front, tangent);
-    const vec4 texel = material.normal.sample(mesh.uv(t, b, material.normal.uv_set()));
+    const vec4 texel = material.normal.read(at.normal);
     vec3 local = vec3(texel) * 2.0f - 1.0f;
     local.x *= m.normal_scale;
     local.y *= flip ? -m.normal_scale : m.normal_scale;
@@ -142,14 +159,17 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
 
   // ----- the material
   vec3 base_color = m.base_color * vec3(mesh.color(t, b));
-  if (material.base_color) base_color *= vec3(material.base_color.sample(mesh.uv(t, b, material.base_color.uv_set())));
+  if (material.base_color) base_color *= vec3(material.base_color.read(at.base_color));
   if (m.unlit) {
     point.is_unlit = true;
     point.emission = base_color;
     return point;
   }
-  if (material.is_emissive && (!point.is_back || m.double_sided)) point.emission = emission_at(mesh, t, b);
-  point.surface = shade::surface_prepare(fetch_params(mesh, t, b, base_color), point.wo.z);
+  if (material.is_emissive && (!point.is_back || m.double_sided)) {
+    point.emission = m.emission;
+    if (material.emissive) point.emission *= vec3(material.emissive.read(at.emissive));
+  }
+  point.surface = shade::surface_prepare(fetch_params(material, at, base_color), point.wo.z);
   return point;
 }
 

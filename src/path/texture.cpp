@@ -41,9 +41,8 @@ TextureReader::TextureReader(const Scene& scene, const TextureSlot& slot, Encodi
   is_identity_ = slot.transform == TextureSlot{}.transform;
 }
 
-inline vec4 TextureReader::texel(int x, int y) const {
-  const std::size_t index =
-      (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) * 4;
+inline vec4 TextureReader::texel(std::uint32_t offset) const {
+  const std::size_t index = std::size_t{offset} * 4;
   if (!is_16_bit_) {
     const std::uint8_t* p = pixels_ + index;
     return {decode_[p[0]], decode_[p[1]], decode_[p[2]], static_cast<float>(p[3]) * (1.0f / 255.0f)};
@@ -55,15 +54,15 @@ inline vec4 TextureReader::texel(int x, int y) const {
   return v;
 }
 
-/// Into [0, 1] (repeat: [0, 1)); mirrored repeat is a triangle wave.
+/// Into [0, 1]; mirrored repeat is a triangle wave. Infinite coordinates and NaN become 0: max(0, NaN) is 0 in this order.
 inline float TextureReader::wrap_unit(float t, Wrap wrap) {
   switch (wrap) {
     case Wrap::repeat:
-      return t - std::floor(t);
+      return glm::max(0.0f, t - std::floor(t));
     case Wrap::clamp_to_edge:
-      return glm::clamp(t, 0.0f, 1.0f);
+      return glm::min(glm::max(0.0f, t), 1.0f);
     case Wrap::mirrored_repeat: {
-      const float m = t - 2.0f * std::floor(0.5f * t);
+      const float m = glm::max(0.0f, t - 2.0f * std::floor(0.5f * t));
       return m > 1.0f ? 2.0f - m : m;
     }
   }
@@ -76,24 +75,44 @@ inline int TextureReader::wrap_index(int i, int size, Wrap wrap) const {
   return i < 0 ? 0 : size - 1;
 }
 
-vec4 TextureReader::sample(vec2 uv) const {
+TextureReader::Footprint TextureReader::locate(vec2 uv) const {
   if (!is_identity_) uv = slot_.apply(uv);
   const float x = wrap_unit(uv.x, wrap_u_) * static_cast<float>(width_);
   const float y = wrap_unit(uv.y, wrap_v_) * static_cast<float>(height_);
-  if (filter_ == Filter::nearest) {
-    return texel(glm::min(static_cast<int>(x), width_ - 1), glm::min(static_cast<int>(y), height_ - 1));
+  Footprint f;
+  int x0 = glm::min(static_cast<int>(x), width_ - 1);
+  int y0 = glm::min(static_cast<int>(y), height_ - 1);
+  int x1 = x0;
+  int y1 = y0;
+  f.tx = f.ty = 0.0f;
+  if (filter_ == Filter::linear) {
+    const float fx = std::floor(x - 0.5f);
+    const float fy = std::floor(y - 0.5f);
+    f.tx = x - 0.5f - fx;
+    f.ty = y - 0.5f - fy;
+    x0 = wrap_index(static_cast<int>(fx), width_, wrap_u_);
+    y0 = wrap_index(static_cast<int>(fy), height_, wrap_v_);
+    x1 = wrap_index(static_cast<int>(fx) + 1, width_, wrap_u_);
+    y1 = wrap_index(static_cast<int>(fy) + 1, height_, wrap_v_);
   }
-  const float fx = std::floor(x - 0.5f);
-  const float fy = std::floor(y - 0.5f);
-  const float tx = x - 0.5f - fx;
-  const float ty = y - 0.5f - fy;
-  const int x0 = wrap_index(static_cast<int>(fx), width_, wrap_u_);
-  const int y0 = wrap_index(static_cast<int>(fy), height_, wrap_v_);
-  const int x1 = wrap_index(static_cast<int>(fx) + 1, width_, wrap_u_);
-  const int y1 = wrap_index(static_cast<int>(fy) + 1, height_, wrap_v_);
-  const vec4 top = texel(x0, y0) * (1.0f - tx) + texel(x1, y0) * tx;
-  const vec4 bottom = texel(x0, y1) * (1.0f - tx) + texel(x1, y1) * tx;
-  return top * (1.0f - ty) + bottom * ty;
+  const auto w = static_cast<std::uint32_t>(width_);
+  const std::uint32_t top = static_cast<std::uint32_t>(y0) * w;
+  const std::uint32_t bottom = static_cast<std::uint32_t>(y1) * w;
+  f.offsets[0] = top + static_cast<std::uint32_t>(x0);
+  f.offsets[1] = top + static_cast<std::uint32_t>(x1);
+  f.offsets[2] = bottom + static_cast<std::uint32_t>(x0);
+  f.offsets[3] = bottom + static_cast<std::uint32_t>(x1);
+  const std::size_t texel_bytes = is_16_bit_ ? 8 : 4;
+  __builtin_prefetch(pixels_ + f.offsets[0] * texel_bytes);
+  __builtin_prefetch(pixels_ + f.offsets[2] * texel_bytes);
+  return f;
+}
+
+vec4 TextureReader::read(const Footprint& f) const {
+  if (filter_ == Filter::nearest) return texel(f.offsets[0]);
+  const vec4 top = texel(f.offsets[0]) * (1.0f - f.tx) + texel(f.offsets[1]) * f.tx;
+  const vec4 bottom = texel(f.offsets[2]) * (1.0f - f.tx) + texel(f.offsets[3]) * f.tx;
+  return top * (1.0f - f.ty) + bottom * f.ty;
 }
 
 }  // namespace candela::path

@@ -19,11 +19,19 @@ class TextureReader {
   int uv_set() const { return slot_.uv_set; }
   ivec2 size() const { return {width_, height_}; }
 
+  /// Where a lookup will read. Finding it starts the memory access, so several textures wait for memory together.
+  struct Footprint {
+    std::uint32_t offsets[4];  ///< texels: top left, top right, bottom left, bottom right
+    float tx, ty;
+  };
+  Footprint locate(vec2 uv) const;
+  vec4 read(const Footprint& footprint) const;
+
   /// Linear RGBA at the authored (untransformed) uv.
-  vec4 sample(vec2 uv) const;
+  vec4 sample(vec2 uv) const { return read(locate(uv)); }
 
  private:
-  vec4 texel(int x, int y) const;
+  vec4 texel(std::uint32_t offset) const;
   int wrap_index(int i, int size, Wrap wrap) const;
   static float wrap_unit(float t, Wrap wrap);
 
