@@ -121,9 +121,8 @@ void AccessorReader::charge(std::uint64_t bytes, const JsonView& cause) {
 }
 
 Accessor AccessorReader::open(const JsonView& reference, std::initializer_list<const char*> types) {
-  const JsonView json = root_.find("accessors").has_value()
-                            ? root_.at("accessors")[reference.index(count_of(root_, "accessors"), "accessor")]
-                            : throw reference.error("the file has no accessors");
+  const std::size_t index = reference.index(count_of(root_, "accessors"), "accessor");
+  const JsonView json = root_.at("accessors")[index];
   Accessor result{json};
   const std::string& type = json.at("type").string();
   if (std::none_of(types.begin(), types.end(), [&](const char* t) { return type == t; })) {

@@ -21,7 +21,7 @@ struct Accessor {
   std::size_t stride = 0;
 
   std::vector<std::uint32_t> sparse_elements = {};  ///< strictly ascending
-  std::span<const std::byte> sparse_values = {};         ///< tightly packed
+  std::span<const std::byte> sparse_values = {};    ///< tightly packed
 };
 
 /// Which elements to read: ascending indices, or all.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
 
 #include "image/image_file.h"
 
@@ -233,6 +234,14 @@ void gather_textures(const JsonView& root, GltfBuffers& buffers, Warnings& warni
   }
 }
 
+/// Names formats that glTF extensions allow and this loader does not read.
+const char* foreign_format(std::span<const std::byte> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with("\xABKTX 20\xBB")) return "KTX2";
+  if (text.starts_with("RIFF") && text.substr(0, 12).ends_with("WEBP")) return "WebP";
+  return text.starts_with("DDS ") ? "DDS" : nullptr;
+}
+
 }  // namespace
 
 MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, bool want_default, GltfBuffers& buffers,
@@ -258,6 +267,8 @@ std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const 
   std::vector<std::byte> storage;
   if (source.uri) storage = uris.read(*source.uri);
   const std::span<const std::byte> bytes = source.uri ? std::span<const std::byte>(storage) : source.bytes;
+  if (const char* format = foreign_format(bytes))
+    throw Error(fmt::format("{} images are not supported", format), source.label);
   const ivec2 size = read_image_size(bytes, source.label);
   const std::uint64_t count = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
   if (texels.fetch_add(count) + count > kMaxTexels) {

@@ -62,15 +62,20 @@ mat4 read_transform(const JsonView& json, Warnings& warnings) {
   return result;
 }
 
-FileNode read_node(const JsonView& root, const JsonView& json, std::size_t light_count, Warnings& warnings) {
+/// How many of each a node may refer to.
+struct Counts {
+  std::size_t meshes, skins, cameras, lights;
+};
+
+FileNode read_node(const JsonView& json, const Counts& counts, Warnings& warnings) {
   FileNode node;
   node.name = json.string_or("name");
   node.parent_from_node = read_transform(json, warnings);
-  node.mesh = json.index_of("mesh", count_of(root, "meshes"), "mesh");
-  node.skin = json.index_of("skin", count_of(root, "skins"), "skin");
-  node.camera = json.index_of("camera", count_of(root, "cameras"), "camera");
+  node.mesh = json.index_of("mesh", counts.meshes, "mesh");
+  node.skin = json.index_of("skin", counts.skins, "skin");
+  node.camera = json.index_of("camera", counts.cameras, "camera");
   if (const auto light = json.extension("KHR_lights_punctual")) {
-    node.light = light->at("light").index(light_count, "light");
+    node.light = light->at("light").index(counts.lights, "light");
   }
   return node;
 }
@@ -139,12 +144,12 @@ std::vector<std::size_t> scene_roots(const JsonView& root, FileScene& scene) {
 
 FileScene read_nodes(const JsonView& root, Warnings& warnings) {
   FileScene scene;
-  std::size_t light_count = 0;
-  if (const auto lights = root.extension("KHR_lights_punctual")) light_count = count_of(*lights, "lights");
+  const auto lights = root.extension("KHR_lights_punctual");
+  const Counts counts{count_of(root, "meshes"), count_of(root, "skins"), count_of(root, "cameras"),
+                      lights ? count_of(*lights, "lights") : 0};
   if (const auto nodes_json = root.find("nodes")) {
     const std::size_t count = nodes_json->size();
-    for (std::size_t i = 0; i < count; ++i)
-      scene.nodes.push_back(read_node(root, (*nodes_json)[i], light_count, warnings));
+    for (std::size_t i = 0; i < count; ++i) scene.nodes.push_back(read_node((*nodes_json)[i], counts, warnings));
     link_children(*nodes_json, scene.nodes);
     compute_world(*nodes_json, scene.nodes);
   }

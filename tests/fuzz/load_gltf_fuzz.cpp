@@ -1,0 +1,24 @@
+#include "base/error.h"
+#include "io/gltf.h"
+
+/// Any bytes: the loader gives an Error or a scene that keeps its promises. Images are measured, not decoded: their
+/// decoders have tests of their own, and a bomb of a gigabyte is allowed there.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace candela;
+  Diagnostics diagnostics;
+  try {
+    Scene scene =
+        io::load_gltf(std::as_bytes(std::span(data, size)), {}, diagnostics, io::LoadOptions{.decode_images = false});
+    // Pixels are all that validate() may miss.
+    scene.images.clear();
+    scene.textures.clear();
+    for (Material& m : scene.materials) {
+      m.base_color_texture = m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture =
+          m.emissive_texture = m.specular_texture = m.specular_color_texture = {};
+    }
+    validate(scene);
+    world_bounds(scene);
+  } catch (const Error&) {
+  }
+  return 0;
+}

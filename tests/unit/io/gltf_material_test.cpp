@@ -1,0 +1,221 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "unit/io/gltf_builder.h"
+
+namespace candela::io::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+json texture(int index, int set = 0) { return {{"index", index}, {"texCoord", set}}; }
+
+TEST(unit_io_gltf_material, defaults_are_those_of_the_specification) {
+  const Loaded loaded = load(triangle());
+  ASSERT_EQ(loaded.scene.materials.size(), 1u);
+  const Material& m = loaded.scene.materials[0];
+  EXPECT_EQ(m.base_color, vec3(1));
+  EXPECT_EQ(m.metallic, 1);
+  EXPECT_EQ(m.roughness, 1);
+  EXPECT_EQ(m.emission, vec3(0));
+  EXPECT_EQ(m.alpha_mode, AlphaMode::opaque);
+  EXPECT_FALSE(m.double_sided);
+  EXPECT_FALSE(m.base_color_texture);
+}
+
+TEST(unit_io_gltf_material, every_factor_and_slot_arrives) {
+  Builder b = with_material({{"name", "all"},
+                             {"pbrMetallicRoughness",
+                              {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}},
+                               {"metallicFactor", 0.5},
+                               {"roughnessFactor", 0.6},
+                               {"baseColorTexture", texture(0)},
+                               {"metallicRoughnessTexture", texture(1)}}},
+                             {"normalTexture", {{"index", 2}, {"scale", -2}}},
+                             {"occlusionTexture", {{"index", 3}, {"strength", 0.7}, {"texCoord", 1}}},
+                             {"emissiveTexture", texture(4)},
+                             {"emissiveFactor", {0.5, 0.25, 1}},
+                             {"alphaMode", "MASK"},
+                             {"alphaCutoff", 0.25},
+                             {"doubleSided", true},
+                             {"extensions",
+                              {{"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}},
+                               {"KHR_materials_ior", {{"ior", 1.33}}},
+                               {"KHR_materials_unlit", json::object()},
+                               {"KHR_materials_specular",
+                                {{"specularFactor", 0.9},
+                                 {"specularTexture", texture(5)},
+                                 {"specularColorFactor", {2, 1, 0.5}},
+                                 {"specularColorTexture", texture(6)}}}}}});
+  for (int i = 0; i < 7; ++i) add_texture(b);
+  primitive(b)["attributes"]["TEXCOORD_1"] = primitive(b)["attributes"]["TEXCOORD_0"];
+  const Loaded loaded = load(b);
+  EXPECT_TRUE(loaded.warnings.empty());
+  const Material& m = loaded.scene.materials.at(0);
+  EXPECT_EQ(m.name, "all");
+  EXPECT_EQ(m.base_color, vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(m.opacity, 0.4f);
+  EXPECT_EQ(m.metallic, 0.5f);
+  EXPECT_EQ(m.roughness, 0.6f);
+  EXPECT_EQ(m.normal_scale, -2);
+  EXPECT_EQ(m.occlusion_strength, 0.7f);
+  EXPECT_EQ(m.emission, vec3(4, 2, 8));
+  EXPECT_EQ(m.alpha_mode, AlphaMode::mask);
+  EXPECT_EQ(m.alpha_cutoff, 0.25f);
+  EXPECT_TRUE(m.double_sided);
+  EXPECT_TRUE(m.unlit);
+  EXPECT_EQ(m.ior, 1.33f);
+  EXPECT_EQ(m.specular, 0.9f);
+  EXPECT_EQ(m.specular_color, vec3(2, 1, 0.5f));
+  EXPECT_EQ(m.base_color_texture.texture, 0);
+  EXPECT_EQ(m.metallic_roughness_texture.texture, 1);
+  EXPECT_EQ(m.normal_texture.texture, 2);
+  EXPECT_EQ(m.occlusion_texture.texture, 3);
+  EXPECT_EQ(m.occlusion_texture.uv_set, 1);
+  EXPECT_EQ(m.emissive_texture.texture, 4);
+  EXPECT_EQ(m.specular_texture.texture, 5);
+  EXPECT_EQ(m.specular_color_texture.texture, 6);
+}
+
+TEST(unit_io_gltf_material, factors_out_of_range_are_clamped_and_told_with_the_materials_name) {
+  const Loaded loaded =
+      load(with_material({{"name", "loud"},
+                          {"pbrMetallicRoughness",
+                           {{"baseColorFactor", {2, 0, 0, -1}}, {"metallicFactor", 1.5}, {"roughnessFactor", -0.5}}},
+                          {"emissiveFactor", {0, 3, 0}},
+                          {"alphaCutoff", -1},
+                          {"extensions", {{"KHR_materials_ior", {{"ior", 0.5}}}}}}));
+  const Material& m = loaded.scene.materials.at(0);
+  EXPECT_EQ(m.base_color, vec3(1, 0, 0));
+  EXPECT_EQ(m.opacity, 0);
+  EXPECT_EQ(m.metallic, 1);
+  EXPECT_EQ(m.roughness, 0);
+  EXPECT_EQ(m.emission, vec3(0, 1, 0));
+  EXPECT_EQ(m.alpha_cutoff, 0);
+  EXPECT_EQ(m.ior, 1);
+  EXPECT_TRUE(loaded.warned("material 'loud': metallicFactor 1.5 becomes 1"));
+  EXPECT_TRUE(loaded.warned("material 'loud': ior 0.5 becomes 1"));
+  EXPECT_EQ(loaded.warnings.size(), 7u);
+  EXPECT_EQ(load(with_material({{"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}})).scene.materials[0].ior, 0);
+}
+
+TEST(unit_io_gltf_material, wrong_types_and_values_are_errors) {
+  EXPECT_THAT(error_of(with_material({{"alphaMode", "CUTOUT"}})), HasSubstr("#/materials/0/alphaMode: must be OPAQUE"));
+  EXPECT_THAT(error_of(with_material({{"doubleSided", 1}})), HasSubstr("must be true or false, not number"));
+  EXPECT_THAT(error_of(with_material({{"pbrMetallicRoughness", {{"metallicFactor", "0.5"}}}})),
+              HasSubstr("/metallicFactor: must be a number, not string"));
+  EXPECT_THAT(error_of(with_material({{"emissiveFactor", {1, 1}}})), HasSubstr("must have 3 numbers, not 2"));
+  EXPECT_THAT(error_of(with_material({{"normalTexture", {{"index", 0}}}})),
+              HasSubstr("texture 0 does not exist (there are 0)"));
+  EXPECT_THAT(error_of(with_material({{"normalTexture", json::object()}})), HasSubstr("'index' is missing"));
+  EXPECT_THAT(
+      error_of(with_material({{"emissiveFactor", {1, 1, 1}},
+                              {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 1e39}}}}}})),
+      HasSubstr("not finite"));
+  Builder b = with_material(json::object());
+  primitive(b)["material"] = 3;
+  EXPECT_THAT(error_of(b), HasSubstr("#/meshes/0/primitives/0/material: material 3 does not exist (there are 1)"));
+}
+
+TEST(unit_io_gltf_material, samplers_become_wrap_and_filter) {
+  Builder b = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", texture(0)}}}});
+  add_texture(b);
+  const auto sampled = [&](const json& sampler) {
+    b.root["samplers"] = {sampler};
+    b.root["textures"][0]["sampler"] = 0;
+    return load(b);
+  };
+  const Texture t =
+      sampled({{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}, {"minFilter", 9987}}).scene.textures.at(0);
+  EXPECT_EQ(t.wrap_u, Wrap::clamp_to_edge);
+  EXPECT_EQ(t.wrap_v, Wrap::mirrored_repeat);
+  EXPECT_EQ(t.filter, Filter::nearest);
+  const Texture standard = sampled(json::object()).scene.textures.at(0);
+  EXPECT_EQ(standard.wrap_u, Wrap::repeat);
+  EXPECT_EQ(standard.wrap_v, Wrap::repeat);
+  EXPECT_EQ(standard.filter, Filter::linear);
+  EXPECT_TRUE(sampled({{"wrapS", 5}}).warned("not a wrap mode"));
+  EXPECT_TRUE(sampled({{"magFilter", 5}}).warned("magFilter 5"));
+  b.root["textures"][0]["sampler"] = 2;
+  EXPECT_THAT(error_of(b), HasSubstr("#/textures/0/sampler: sampler 2 does not exist"));
+}
+
+TEST(unit_io_gltf_material, texture_transforms_scale_then_rotate_then_move) {
+  Builder b = with_material(
+      {{"pbrMetallicRoughness",
+        {{"baseColorTexture",
+          {{"index", 0},
+           {"texCoord", 0},
+           {"extensions",
+            {{"KHR_texture_transform",
+              {{"offset", {10, 20}}, {"rotation", 1.5707963267948966}, {"scale", {2, 3}}, {"texCoord", 1}}}}}}}}}});
+  add_texture(b);
+  primitive(b)["attributes"]["TEXCOORD_1"] = primitive(b)["attributes"]["TEXCOORD_0"];
+  const TextureSlot slot = load(b).scene.materials[0].base_color_texture;
+  EXPECT_EQ(slot.uv_set, 1);
+  // A quarter turn, counter-clockwise with v down: (u, v) → (v, -u).
+  const vec2 uv = slot.apply(vec2(1, 1));
+  EXPECT_NEAR(uv.x, 13, 1e-5);
+  EXPECT_NEAR(uv.y, 18, 1e-5);
+}
+
+TEST(unit_io_gltf_material, textures_that_cannot_be_used_are_left_out_and_told) {
+  Builder b = with_material({{"emissiveTexture", texture(0, 2)}});
+  add_texture(b);
+  Loaded loaded = load(b);
+  EXPECT_TRUE(loaded.warned("emissiveTexture uses TEXCOORD_2"));
+  EXPECT_TRUE(loaded.scene.textures.empty());
+  b.root["materials"][0]["emissiveTexture"]["texCoord"] = 0;
+  b.root["textures"][0] = {{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}};
+  loaded = load(b);
+  EXPECT_TRUE(loaded.warned("has no PNG or JPEG image"));
+  EXPECT_FALSE(loaded.scene.materials[0].emissive_texture);
+}
+
+TEST(unit_io_gltf_material, images_are_decoded_once_from_views_and_data_uris) {
+  Builder b =
+      with_material({{"emissiveTexture", texture(2)}, {"occlusionTexture", texture(1)}, {"normalTexture", texture(3)}});
+  for (int i = 0; i < 3; ++i) add_texture(b);
+  b.root["images"].push_back({{"uri", "data:image/png;base64," + base64(tiny_png())}});
+  b.root["textures"][2]["source"] = 1;
+  b.root["textures"].push_back({{"source", 3}});
+  const Loaded loaded = load(b);
+  ASSERT_EQ(loaded.scene.textures.size(), 3u);
+  ASSERT_EQ(loaded.scene.images.size(), 2u);
+  EXPECT_EQ(loaded.scene.textures[0].image, loaded.scene.textures[1].image);
+  for (const auto& image : loaded.scene.images) {
+    EXPECT_EQ(image->width, 1);
+    EXPECT_EQ(image->pixels, (std::vector<std::uint8_t>{200, 100, 50, 128}));
+  }
+}
+
+TEST(unit_io_gltf_material, without_decoding_images_have_only_a_size) {
+  Builder b = with_material({{"emissiveTexture", texture(0)}});
+  add_texture(b);
+  const Loaded loaded = load(b, LoadOptions{.decode_images = false});
+  EXPECT_EQ(loaded.scene.images.at(0)->width, 1);
+  EXPECT_EQ(loaded.scene.images.at(0)->height, 1);
+  EXPECT_TRUE(loaded.scene.images.at(0)->pixels.empty());
+}
+
+TEST(unit_io_gltf_material, damaged_images_are_errors_that_name_the_image) {
+  Builder b = with_material({{"emissiveTexture", texture(0)}});
+  std::vector<std::byte> png = tiny_png();
+  png.resize(45);
+  b.root["images"] = {{{"bufferView", b.view(png)}, {"name", "wood"}}};
+  b.root["textures"] = {{{"source", 0}}};
+  EXPECT_THAT(error_of(b), HasSubstr("#/images/0 (wood): "));
+  b.root["images"][0] = {{"uri", "data:image/png;base64,AAAA"}};
+  EXPECT_THAT(error_of(b), HasSubstr("#/images/0: "));
+  b.root["images"][0] = {{"uri", "wood.png"}};
+  EXPECT_THAT(error_of(b), HasSubstr("#/images/0/uri: external file 'wood.png'"));
+  b.root["images"][0] = {{"name", "nothing"}};
+  EXPECT_THAT(error_of(b), HasSubstr("neither a uri nor a bufferView"));
+  b.root["images"][0] = {{"bufferView", 77}};
+  EXPECT_THAT(error_of(b), HasSubstr("buffer view 77 does not exist"));
+}
+
+}  // namespace
+}  // namespace candela::io::test

@@ -1,0 +1,222 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "unit/io/gltf_builder.h"
+
+namespace candela::io::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+Builder nodes_only(const json& nodes) {
+  Builder b;
+  b.root["nodes"] = nodes;
+  return b;
+}
+
+void expect_near(const mat4& a, const mat4& b) {
+  for (int c = 0; c < 4; ++c) {
+    for (int r = 0; r < 4; ++r) EXPECT_NEAR(a[c][r], b[c][r], 1e-5f) << "column " << c << " row " << r;
+  }
+}
+
+TEST(unit_io_gltf_nodes, translation_rotation_scale_compose_in_that_order) {
+  // A quarter turn about z after a scale of x, under a parent that moves.
+  const double h = std::sqrt(0.5);
+  const Loaded loaded =
+      load(nodes_only({{{"translation", {0, 10, 0}}, {"children", {1}}},
+                       {{"translation", {1, 2, 3}}, {"rotation", {0, 0, h, h}}, {"scale", {2, 1, -1}}}}));
+  const mat4 expected(vec4(0, 2, 0, 0), vec4(-1, 0, 0, 0), vec4(0, 0, -1, 0), vec4(1, 12, 3, 1));
+  expect_near(loaded.scene.nodes[1].world_from_node, expected);
+  EXPECT_EQ(loaded.scene.nodes[1].parent, 0);
+  EXPECT_TRUE(loaded.warnings.empty());
+}
+
+TEST(unit_io_gltf_nodes, matrices_are_column_major) {
+  const Loaded loaded = load(nodes_only({{{"matrix", {1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 10, 0, 11, 12, 13, 1}}}}));
+  EXPECT_EQ(loaded.scene.nodes[0].parent_from_node[3], vec4(11, 12, 13, 1));
+  EXPECT_EQ(loaded.scene.nodes[0].parent_from_node[0], vec4(1, 2, 3, 0));
+}
+
+TEST(unit_io_gltf_nodes, odd_transforms_are_told) {
+  EXPECT_TRUE(load(nodes_only({{{"rotation", {0, 0, 0, 0}}}})).warned("zero quaternion"));
+  EXPECT_EQ(load(nodes_only({{{"rotation", {0, 0, 0, 0}}}})).scene.nodes[0].world_from_node, mat4(1));
+  EXPECT_TRUE(load(nodes_only({{{"rotation", {0, 0, 0, 3}}}})).warned("no unit quaternion"));
+  expect_near(load(nodes_only({{{"rotation", {0, 0, 0, 3}}}})).scene.nodes[0].world_from_node, mat4(1));
+  EXPECT_TRUE(load(nodes_only({{{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2}}}})).warned("0 0 0 1"));
+  EXPECT_TRUE(load(nodes_only({{{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}, {"scale", {2, 2, 2}}}}))
+                  .warned("both a matrix"));
+  // Singular is fine.
+  EXPECT_EQ(error_of(nodes_only({{{"scale", {0, 0, 0}}}})), "loaded");
+}
+
+TEST(unit_io_gltf_nodes, bad_transforms_are_errors) {
+  EXPECT_THAT(error_of(nodes_only({{{"matrix", {1, 0, 0}}}})),
+              HasSubstr("#/nodes/0/matrix: must have 16 numbers, not 3"));
+  EXPECT_THAT(error_of(nodes_only({{{"translation", {1, 2}}}})), HasSubstr("must have 3 numbers, not 2"));
+  EXPECT_THAT(error_of(nodes_only({{{"translation", {1, "2", 3}}}})),
+              HasSubstr("#/nodes/0/translation/1: must be a number, not string"));
+  EXPECT_THAT(error_of(nodes_only({{{"translation", {1e300, 0, 0}}}})), HasSubstr("not finite"));
+  EXPECT_THAT(error_of(nodes_only({{{"scale", {1e30, 1, 1}}, {"children", {1}}}, {{"scale", {1e30, 1, 1}}}})),
+              HasSubstr("#/nodes/1: the node's world matrix is not finite"));
+}
+
+TEST(unit_io_gltf_nodes, the_hierarchy_must_be_a_forest) {
+  EXPECT_THAT(error_of(nodes_only({{{"children", {0}}}})), HasSubstr("node 0 is its own ancestor"));
+  EXPECT_THAT(error_of(nodes_only({{{"children", {1}}}, {{"children", {2}}}, {{"children", {1}}}})),
+              HasSubstr("two parents (0 and 2)"));
+  EXPECT_THAT(error_of(nodes_only({{{"name", "root"}}, {{"children", {2}}}, {{"children", {1}}}})),
+              HasSubstr("#/nodes/1: node 1 is its own ancestor"));
+  EXPECT_THAT(error_of(nodes_only({{{"children", {1, 1}}}, json::object()})), HasSubstr("two parents (0 and 0)"));
+  EXPECT_THAT(error_of(nodes_only({{{"children", {5}}}})), HasSubstr("#/nodes/0/children/0: node 5 does not exist"));
+  EXPECT_THAT(error_of(nodes_only({{{"children", {"1"}}}})), HasSubstr("must be a whole number"));
+  EXPECT_THAT(error_of(nodes_only({{{"mesh", -7}}})), HasSubstr("not negative"));
+  EXPECT_THAT(error_of(nodes_only({{{"mesh", 0}}})), HasSubstr("mesh 0 does not exist (there are 0)"));
+  EXPECT_THAT(error_of(nodes_only({{{"camera", 1}}})), HasSubstr("camera 1 does not exist"));
+  EXPECT_THAT(error_of(nodes_only({1, 2})), HasSubstr("#/nodes/0: must be an object, not number"));
+  EXPECT_THAT(error_of(nodes_only({{"a", 1}})), HasSubstr("#/nodes: must be an array"));
+}
+
+TEST(unit_io_gltf_nodes, long_chains_do_not_overflow_the_stack) {
+  json nodes = json::array();
+  for (int i = 0; i < 100000; ++i) nodes.push_back({{"children", {i + 1}}, {"translation", {0.5, 0, 0}}});
+  nodes.push_back(json::object());
+  const Loaded loaded = load(nodes_only(nodes));
+  EXPECT_EQ(loaded.scene.nodes.back().world_from_node[3].x, 50000.0f);
+}
+
+TEST(unit_io_gltf_nodes, the_default_scene_is_shown_and_nothing_else) {
+  Builder b = triangle();
+  b.root["nodes"] = {{{"name", "a"}, {"mesh", 0}}, {{"name", "b"}, {"children", {2}}}, {{"name", "c"}, {"mesh", 0}}};
+  const auto names = [&](const json& scenes, const json& scene) {
+    b.root["scenes"] = scenes;
+    b.root["scene"] = scene;
+    if (scenes.is_null()) b.root.erase("scenes");
+    if (scene.is_null()) b.root.erase("scene");
+    std::string result;
+    for (const Node& node : load(b).scene.nodes) result += node.name;
+    return result;
+  };
+  const json two = {{{"nodes", {0}}}, {{"nodes", {1}}, {"name", "second"}}};
+  EXPECT_EQ(names(two, 1), "bc");
+  EXPECT_EQ(load(b).scene.name, "second");
+  EXPECT_EQ(load(b).scene.nodes[1].parent, 0);
+  EXPECT_EQ(names(two, nullptr), "a");
+  EXPECT_EQ(names(nullptr, nullptr), "abc");
+  EXPECT_EQ(names({{{"name", "empty"}}}, 0), "");
+  b.root["scene"] = 4;
+  EXPECT_THAT(error_of(b), HasSubstr("#/scene: scene 4 does not exist"));
+  b.root["scene"] = 0;
+  b.root["scenes"] = {{{"nodes", {2}}}};
+  EXPECT_THAT(error_of(b), HasSubstr("node 2 is no root: it is a child of node 1"));
+}
+
+TEST(unit_io_gltf_nodes, unused_meshes_materials_and_images_are_left_alone) {
+  Builder b = with_material({{"name", "used"}});
+  b.root["materials"].push_back({{"name", "unused"}, {"emissiveTexture", {{"index", 0}}}});
+  b.root["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", 99}}}, {"material", 1}}}}});
+  b.root["images"] = {{{"uri", "does_not_exist.png"}}};
+  b.root["textures"] = {{{"source", 0}}};
+  const Loaded loaded = load(b);
+  EXPECT_EQ(loaded.scene.meshes.size(), 1u);
+  ASSERT_EQ(loaded.scene.materials.size(), 1u);
+  EXPECT_EQ(loaded.scene.materials[0].name, "used");
+  EXPECT_TRUE(loaded.scene.images.empty());
+}
+
+TEST(unit_io_gltf_cameras, both_kinds_are_read) {
+  Builder b = nodes_only({{{"camera", 1}}, {{"camera", 0}}, {{"camera", 1}}});
+  b.root["cameras"] = {
+      {{"type", "perspective"},
+       {"name", "eye"},
+       {"perspective", {{"yfov", 0.7}, {"aspectRatio", 1.5}, {"znear", 0.01}}}},
+      {{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", -3}, {"znear", 0}, {"zfar", 9}}}}};
+  const Scene scene = load(b).scene;
+  ASSERT_EQ(scene.cameras.size(), 2u);
+  EXPECT_EQ(scene.nodes[0].camera, scene.nodes[2].camera);
+  const auto& ortho =
+      std::get<OrthographicCamera>(scene.cameras[static_cast<std::size_t>(scene.nodes[0].camera)].projection);
+  EXPECT_EQ(ortho.xmag, 2);
+  EXPECT_EQ(ortho.ymag, 3);
+  const Camera& eye = scene.cameras[static_cast<std::size_t>(scene.nodes[1].camera)];
+  EXPECT_EQ(eye.name, "eye");
+  EXPECT_EQ(std::get<PerspectiveCamera>(eye.projection).yfov, 0.7f);
+  EXPECT_EQ(std::get<PerspectiveCamera>(eye.projection).aspect_ratio, 1.5f);
+}
+
+TEST(unit_io_gltf_cameras, impossible_ones_are_errors) {
+  const auto error_with = [](const json& camera) {
+    Builder b = nodes_only({{{"camera", 0}}});
+    b.root["cameras"] = {camera};
+    return error_of(b);
+  };
+  EXPECT_THAT(error_with({{"type", "fisheye"}}), HasSubstr("perspective or orthographic"));
+  EXPECT_THAT(error_with({{"type", "perspective"}}), HasSubstr("'perspective' is missing"));
+  for (const double yfov : {0.0, -1.0, 3.2})
+    EXPECT_THAT(error_with({{"type", "perspective"}, {"perspective", {{"yfov", yfov}}}}),
+                HasSubstr("between 0 and pi"));
+  EXPECT_THAT(error_with({{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"aspectRatio", 0}}}}),
+              HasSubstr("must be positive"));
+  EXPECT_THAT(error_with({{"type", "orthographic"}, {"orthographic", {{"xmag", 0}, {"ymag", 1}}}}),
+              HasSubstr("must not be 0"));
+}
+
+Builder with_lights(const json& lights) {
+  json nodes = json::array();
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    nodes.push_back({{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
+  Builder b = nodes_only(nodes);
+  b.root["extensionsUsed"] = {"KHR_lights_punctual"};
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = lights;
+  return b;
+}
+
+TEST(unit_io_gltf_lights, all_types_and_defaults) {
+  const Loaded loaded =
+      load(with_lights({{{"type", "point"}, {"color", {1, 0.5, 0}}, {"intensity", 20}, {"range", 4}, {"name", "lamp"}},
+                        {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}},
+                        {{"type", "spot"}},
+                        {{"type", "directional"}}}));
+  EXPECT_TRUE(loaded.warnings.empty());
+  const auto& lights = loaded.scene.lights;
+  ASSERT_EQ(lights.size(), 4u);
+  EXPECT_EQ(lights[0].type, LightType::point);
+  EXPECT_EQ(lights[0].name, "lamp");
+  EXPECT_EQ(lights[0].color, vec3(1, 0.5f, 0));
+  EXPECT_EQ(lights[0].intensity, 20);
+  EXPECT_EQ(lights[0].range, 4);
+  EXPECT_EQ(lights[1].inner_cone, 0.1f);
+  EXPECT_EQ(lights[1].outer_cone, 0.2f);
+  EXPECT_EQ(lights[2].inner_cone, 0);
+  EXPECT_NEAR(lights[2].outer_cone, kPi / 4, 1e-6);
+  EXPECT_EQ(lights[3].type, LightType::directional);
+  EXPECT_EQ(lights[3].range, kInfinity);
+  EXPECT_EQ(lights[3].intensity, 1);
+}
+
+TEST(unit_io_gltf_lights, oddities_are_told_and_nonsense_is_refused) {
+  EXPECT_TRUE(load(with_lights({{{"type", "point"}, {"intensity", -1}}})).warned("intensity -1 becomes 0"));
+  EXPECT_TRUE(load(with_lights({{{"type", "point"}, {"color", {-1, 0, 0}}}})).warned("negative colour"));
+  EXPECT_TRUE(load(with_lights({{{"type", "spot"}, {"spot", {{"innerConeAngle", 1}, {"outerConeAngle", 0.5}}}}}))
+                  .warned("spot angles"));
+  EXPECT_TRUE(load(with_lights({{{"type", "spot"}, {"spot", {{"outerConeAngle", 3}}}}})).warned("spot angles"));
+  EXPECT_TRUE(load(with_lights({{{"type", "spot"}, {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.5}}}}}))
+                  .warnings.empty());
+  EXPECT_THAT(error_of(with_lights({{{"type", "area"}}})), HasSubstr("point, spot or directional"));
+  EXPECT_THAT(error_of(with_lights({{{"type", "point"}, {"range", 0}}})),
+              HasSubstr("/lights/0/range: must be positive"));
+  Builder b = with_lights({{{"type", "point"}}});
+  b.root["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 1;
+  EXPECT_THAT(error_of(b), HasSubstr("light 1 does not exist (there are 1)"));
+}
+
+TEST(unit_io_gltf, animations_are_told) {
+  Builder b = triangle();
+  b.root["animations"] = {json::object()};
+  EXPECT_TRUE(load(b).warned("animations are not supported yet: bind pose shown"));
+}
+
+}  // namespace
+}  // namespace candela::io::test

@@ -1,0 +1,88 @@
+#pragma once
+
+#include "unit/io/gltf_builder.h"
+
+namespace candela::io::test {
+
+/// Small files that together touch every part of the loader: what mutation and fuzzing start from.
+inline std::vector<Builder> seed_files() {
+  std::vector<Builder> seeds;
+  seeds.push_back(triangle());
+
+  Builder material = with_material(json::parse(R"({
+      "name": "all", "doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.25, "emissiveFactor": [0.5, 0.25, 1],
+      "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.5, "roughnessFactor": 0.6,
+        "baseColorTexture": {"index": 0, "texCoord": 1, "extensions": {"KHR_texture_transform": {"offset": [1, 2], "rotation": 0.3, "scale": [2, -1], "texCoord": 0}}},
+        "metallicRoughnessTexture": {"index": 0}},
+      "normalTexture": {"index": 1, "scale": 2}, "occlusionTexture": {"index": 0, "strength": 0.5}, "emissiveTexture": {"index": 1},
+      "extensions": {"KHR_materials_ior": {"ior": 1.33}, "KHR_materials_unlit": {}, "KHR_materials_emissive_strength": {"emissiveStrength": 8},
+        "KHR_materials_specular": {"specularFactor": 0.9, "specularColorFactor": [2, 1, 0.5], "specularTexture": {"index": 0}}}})"));
+  add_texture(material);
+  material.root["images"].push_back({{"uri", "data:image/png;base64," + base64(tiny_png())}});
+  material.root["textures"].push_back({{"source", 1}, {"sampler", 0}});
+  material.root["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}}};
+  material.root["extensionsUsed"] = {"KHR_materials_ior", "KHR_texture_transform", "KHR_materials_clearcoat"};
+  material.root["extensionsRequired"] = {"KHR_texture_transform"};
+  seeds.push_back(material);
+
+  Builder skinned = triangle();
+  auto& attributes = primitive(skinned)["attributes"];
+  attributes["JOINTS_0"] =
+      skinned.accessor(std::vector<std::uint8_t>{0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}, "VEC4", 5121, 4);
+  attributes["WEIGHTS_0"] = skinned.vec4s({1, 0, 0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0});
+  attributes["COLOR_0"] =
+      skinned.accessor(std::vector<std::uint16_t>{0, 0, 0, 13107, 65535, 0, 0, 0, 0}, "VEC3", 5123, 3, true);
+  std::vector<float> matrices(32, 0.0f);
+  for (const std::size_t i : {0, 5, 10, 15, 16, 21, 26, 31}) matrices[i] = 1;
+  skinned.root["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", skinned.floats(matrices, "MAT4", 16)}}};
+  primitive(skinned)["targets"] = {{{"POSITION", skinned.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1})}},
+                                   {{"NORMAL", skinned.vec3s({0, 1, 0, 0, 1, 0, 0, 1, 0})}}};
+  skinned.root["meshes"][0]["weights"] = {0.5, 0.5};
+  skinned.root["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"children", {3}}, {"weights", {1, 0}}},
+                           {{"translation", {0, 0, 5}}, {"children", {2}}},
+                           {{"rotation", {0, 0.6, 0, 0.8}}, {"scale", {2, 2, -2}}},
+                           {{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1}}, {"mesh", 0}}};
+  skinned.root["scenes"] = {{{"nodes", {0, 1}}, {"name", "scene"}}};
+  seeds.push_back(skinned);
+
+  Builder strips = triangle();
+  const int interleaved = strips.view(
+      std::vector<float>{0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 1, 0, 2, 0, 0, 0, 1}, 24);
+  const int positions =
+      strips.add_accessor({{"bufferView", interleaved}, {"componentType", 5126}, {"count", 5}, {"type", "VEC3"}});
+  const int sparse = strips.add_accessor(
+      {{"componentType", 5126},
+       {"count", 5},
+       {"type", "VEC3"},
+       {"sparse",
+        {{"count", 2},
+         {"indices", {{"bufferView", strips.view(std::vector<std::uint8_t>{1, 4})}, {"componentType", 5121}}},
+         {"values", {{"bufferView", strips.view(std::vector<float>{1, 0, 0, 0, 1, 0})}}}}}});
+  const int bytes =
+      strips.accessor(std::vector<std::int8_t>{0, 0, 0, 0, 127, 0, 0, 0, 0, 127, 0, 0, 127, 127, 0, 0, -127, 127, 0, 0},
+                      "VEC4", 5120, 4, true);
+  (void)bytes;
+  strips.root["meshes"][0]["primitives"] = {{{"attributes", {{"POSITION", positions}}}, {"mode", 5}},
+                                            {{"attributes", {{"POSITION", sparse}}}, {"mode", 6}},
+                                            {{"attributes", {{"POSITION", positions}}}, {"mode", 1}}};
+  seeds.push_back(strips);
+
+  Builder lights = triangle();
+  lights.root["extensionsUsed"] = {"KHR_lights_punctual"};
+  lights.root["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "spot"},
+       {"color", {1, 0.5, 0}},
+       {"intensity", 20},
+       {"range", 4},
+       {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}},
+      {{"type", "directional"}}};
+  lights.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"aspectRatio", 1.5}}}},
+                            {{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", 3}}}}};
+  lights.root["nodes"] = {{{"camera", 0}, {"mesh", 0}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
+                          {{"camera", 1}, {"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}}};
+  lights.root["animations"] = {json::object()};
+  seeds.push_back(lights);
+  return seeds;
+}
+
+}  // namespace candela::io::test
