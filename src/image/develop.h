@@ -26,8 +26,8 @@ struct DevelopSettings {
 /// Throws Error for anything else.
 std::optional<float> parse_exposure(std::string_view text);
 
-/// 0.18 over the log-average luminance (Reinhard 2002 "Photographic tone reproduction", eq. 1 and 2), weighted by alpha,
-/// black pixels left out, the brightest and darkest 1 % of pixels left out; 1 for an all-black picture.
+/// 0.18 over the log-average luminance (Reinhard 2002 "Photographic tone reproduction", eq. 1 and 2), weighted by
+/// alpha, black pixels left out, the brightest and darkest 1 % of pixels left out; 1 for an all-black picture.
 float metered_exposure(const Film& film);
 
 /// Encoded sRGB, 8 bits, RGBA (alpha straight, not premultiplied), row 0 at the top.

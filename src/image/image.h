@@ -18,7 +18,9 @@ struct Image {
 
   Image() = default;
   Image(int w, int h, int c)
-      : width(w), height(h), channels(c),
+      : width(w),
+        height(h),
+        channels(c),
         pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c)) {}
 
   bool empty() const { return pixels.empty(); }
@@ -41,8 +43,8 @@ struct Image {
   }
 };
 
-/// Texture pixels as stored in the file: RGBA, 8 or 16 bits per channel, row 0 at the top, still encoded (sRGB or data).
-/// Missing channels are filled the way PNG and JPEG mean them (grey repeats, alpha is opaque).
+/// Texture pixels as stored in the file: RGBA, 8 or 16 bits per channel, row 0 at the top, still encoded (sRGB or
+/// data). Missing channels are filled the way PNG and JPEG mean them (grey repeats, alpha is opaque).
 struct TextureImage {
   int width = 0;
   int height = 0;
