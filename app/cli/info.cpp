@@ -145,10 +145,11 @@ void Table::row(const std::string& name, const std::string& value) {
 void Table::item(const std::string& value) { row("", value); }
 
 std::string bytes_text(std::size_t bytes) {
+  constexpr double kKibi = 1024.0;
   const auto size = static_cast<double>(bytes);
-  if (bytes < 1024) return fmt::format("{} B", bytes);
-  if (bytes < 1024 * 1024) return fmt::format("{:.1f} KiB", size / 1024.0);
-  return fmt::format("{:.1f} MiB", size / (1024.0 * 1024.0));
+  if (size < kKibi) return fmt::format("{} B", bytes);
+  if (size < kKibi * kKibi) return fmt::format("{:.1f} KiB", size / kKibi);
+  return fmt::format("{:.1f} MiB", size / (kKibi * kKibi));
 }
 
 Report scene_report(const std::string& name) {
@@ -209,7 +210,7 @@ Verb add_info(CLI::App& app) {
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("info", "Say what a scene or an image file holds");
+  CLI::App* verb = app.add_subcommand("info", "Say what a scene or an image file holds")->group("Verbs");
   verb->add_option("FILE", options->file, "A .glb or .gltf, a demo:NAME, or an .exr, .hdr, .png or .jpg image")
       ->required()
       ->type_name("");

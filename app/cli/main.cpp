@@ -49,21 +49,20 @@ class HelpFormatter : public CLI::Formatter {
     constexpr std::size_t kNameColumns = 40;
     column_width(kNameColumns);
     label("SUBCOMMAND", "VERB");
-    label("Subcommands", "Verbs");
     label("OPTIONS", "options");
+    label("Positionals", "Input");
   }
 
   std::string make_option_opts(const CLI::Option* option) const override {
     return option->get_type_name().empty() ? "" : " " + option->get_type_name();
   }
-  std::string make_groups(const CLI::App* app, CLI::AppFormatMode) const override {
-    std::string text;
-    for (const std::string& group : app->get_groups()) {
-      const auto options = app->get_options(
-          [&](const CLI::Option* option) { return option->get_group() == group && option->nonpositional(); });
-      if (!group.empty() && !options.empty()) text += make_group(group, false, options);
-    }
-    return text;
+  std::string make_usage(const CLI::App* app, std::string name) const override {
+    return CLI::Formatter::make_usage(app, std::move(name)) + "\n";
+  }
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    const std::string text = CLI::Formatter::make_group(std::move(group), is_positional, std::move(options));
+    return text.substr(1) + (is_positional ? "\n" : "");
   }
 };
 

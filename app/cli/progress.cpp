@@ -16,7 +16,7 @@ namespace candela::cli {
 
 namespace {
 
-constexpr double kLineInterval_s = 10.0;
+constexpr double kLineSeconds = 10.0;
 
 bool stderr_is_terminal() {
   const char* term = std::getenv("TERM");
@@ -42,8 +42,7 @@ std::string progress_text(const path::Progress& p) {
 
 }  // namespace
 
-ProgressLine::ProgressLine(bool quiet)
-    : quiet_(quiet), terminal_(stderr_is_terminal()), next_line_s_(kLineInterval_s) {}
+ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), terminal_(stderr_is_terminal()), next_line_s_(kLineSeconds) {}
 
 ProgressLine::~ProgressLine() { clear(); }
 
@@ -56,7 +55,7 @@ void ProgressLine::update(const path::Progress& progress) {
   const std::string text = progress_text(progress);
   if (!terminal_) {
     if (progress.seconds < next_line_s_) return;
-    next_line_s_ = progress.seconds + kLineInterval_s;
+    next_line_s_ = progress.seconds + kLineSeconds;
     put(text + "\n");
     return;
   }

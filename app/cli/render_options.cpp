@@ -72,6 +72,9 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
 
 void add_sampling(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Sampling";
+  const auto seed = [](const std::string& text) {
+    return static_cast<std::uint32_t>(parse_count(text, 0, std::numeric_limits<int>::max()));
+  };
   add_value(verb, "--spp", "N", o.samples, count_within(1, kMostSamples),
             "Samples per pixel, best a power of two [128; 65536 with --time or --noise]")
       ->group(group);
@@ -84,9 +87,7 @@ void add_sampling(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--bounces", "N", o.settings.bounces, count_within(0, 1024),
             "Scattering events along a path; 1 is direct light only [8]")
       ->group(group);
-  add_value(verb, "--seed", "N", o.settings.seed, count_within(0, std::numeric_limits<int>::max()),
-            "Another seed is another noise pattern [0]")
-      ->group(group);
+  add_value(verb, "--seed", "N", o.settings.seed, seed, "Another seed is another noise pattern [0]")->group(group);
   add_value(verb, "--filter", "NAME", o.settings.filter, parse_filter, "box, gaussian or blackman-harris [box]")
       ->group(group);
   add_value(verb, "--integrator", "NAME", o.settings.integrator, parse_integrator,
@@ -152,9 +153,9 @@ void add_running(CLI::App* verb, RenderOptions& o) {
       verb, "--stats", "FILE.json", o.stats, [](const std::string& value) { return fs::path(value); },
       "Times, rays, memory and warnings as JSON; - is standard output")
       ->group(group);
-  verb->get_help_ptr()->group(group);
   verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group(group);
   verb->add_flag("--strict", o.strict, "Warnings are errors")->group(group);
+  verb->set_help_flag("-h,--help", "This text")->group(group);
 }
 
 std::string footer() {
@@ -201,7 +202,7 @@ void check_outputs(RenderOptions& o) {
 }  // namespace
 
 CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
-  CLI::App* verb = app.add_subcommand("render", "Render a glTF scene to a picture");
+  CLI::App* verb = app.add_subcommand("render", "Render a glTF scene to a picture")->group("Verbs");
   verb->add_option("SCENE", options.scene, "A .glb or .gltf file, or a built-in demo:NAME")->required()->type_name("");
   add_picture(verb, options);
   add_sampling(verb, options);
