@@ -16,7 +16,9 @@ struct Diagnostic {
 /// Collects warnings in the order they arise; the caller decides what to do with them. Not thread-safe.
 class Diagnostics {
  public:
-  void warn(std::string message, std::string where = {}) { warnings_.push_back({std::move(message), std::move(where)}); }
+  void warn(std::string message, std::string where = {}) {
+    warnings_.push_back({std::move(message), std::move(where)});
+  }
   const std::vector<Diagnostic>& warnings() const { return warnings_; }
 
  private:

@@ -5,8 +5,8 @@
 
 namespace candela {
 
-/// Bad data or failed work: a file, a shader, a command line. `where` is a file and line, a JSON pointer or a shader line,
-/// and may be empty. Programmer errors use CANDELA_CHECK instead (base/check.h).
+/// Bad data or failed work: a file, a shader, a command line. `where` is a file and line, a JSON pointer or a shader
+/// line, and may be empty. Programmer errors use CANDELA_CHECK instead (base/check.h).
 class Error : public std::runtime_error {
  public:
   explicit Error(std::string message, std::string where = {})

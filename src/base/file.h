@@ -13,7 +13,8 @@ namespace candela {
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t max_bytes = std::uint64_t{1} << 32);
 
 /// A file that appears whole or not at all: write to `temp_path()` (beside the target), then `commit()` renames it.
-/// Without commit the temporary file is removed. Throws Error where the folder cannot be written.
+/// Without commit the temporary file is removed. Throws Error where the folder cannot be written. A device or a pipe
+/// (/dev/stdout) is written to directly: temp_path() is the target itself.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path target);

@@ -11,7 +11,8 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body) {
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(begin, end, grain),
-      [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); }, tbb::simple_partitioner{});
+      [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); },
+      tbb::simple_partitioner{});
 }
 
 struct ThreadLimit::Impl {

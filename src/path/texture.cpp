@@ -2,12 +2,11 @@
 
 #include <cstring>
 
+#include "shade/color.glsl.h"
+
 namespace candela::path {
 
 namespace {
-
-/// IEC 61966-2-1.
-float srgb_to_linear(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 template <class F>
 std::array<float, 256> make_table(F decode) {
@@ -17,7 +16,7 @@ std::array<float, 256> make_table(F decode) {
 }
 
 const float* decode_table(Encoding encoding) {
-  static const std::array<float, 256> srgb = make_table(srgb_to_linear);
+  static const std::array<float, 256> srgb = make_table(shade::srgb_decode_channel);
   static const std::array<float, 256> data = make_table([](float v) { return v; });
   return encoding == Encoding::srgb ? srgb.data() : data.data();
 }
@@ -50,7 +49,7 @@ inline vec4 TextureReader::texel(std::uint32_t offset) const {
   std::array<std::uint16_t, 4> p;
   std::memcpy(p.data(), pixels_ + index * 2, sizeof p);
   vec4 v = vec4(p[0], p[1], p[2], p[3]) * (1.0f / 65535.0f);
-  if (encoding_ == Encoding::srgb) v = {srgb_to_linear(v.x), srgb_to_linear(v.y), srgb_to_linear(v.z), v.w};
+  if (encoding_ == Encoding::srgb) v = {shade::srgb_decode(vec3(v)), v.w};
   return v;
 }
 
