@@ -4,7 +4,7 @@
     tools/contact_sheet.py CANDELA MODELS_FOLDER -o sheet.png [--spp 64] [--size 240] [--columns 8] [--only NAME,NAME]
                            [-- further options of `candela render`]
 
-Prints each model's warnings and failures. Needs ImageMagick's `montage` for the sheet.
+Prints each model's warnings and failures. Needs ImageMagick's `montage` and the DejaVu fonts for the sheet.
 """
 import argparse
 import pathlib
@@ -49,20 +49,21 @@ def main():
             scene = scene_file(model)
             if scene is None or (only and model.name not in only):
                 continue
-            picture = pathlib.Path(folder) / f"{len(tiles):03}.png"
+            picture = pathlib.Path(folder) / f"{len(tiles) // 3:03}.png"
             size = f"{options.size}x{options.size}"
             command = [options.candela, "render", str(scene), "-o", str(picture), "--size", size, "--spp",
-                       str(options.spp), "--quiet", *further]
+                       str(options.spp), *further]
             run = subprocess.run(command, capture_output=True, text=True)
             for line in run.stderr.splitlines():
-                print(f"{model.name}: {line}")
+                if "warning:" in line or line.startswith("candela:"):
+                    print(f"{model.name}: {line}")
             if run.returncode != 0:
                 failed += 1
                 continue
             tiles += ["-label", model.name, str(picture)]
         columns = min(options.columns, max(len(tiles) // 3, 1))
         subprocess.run(["montage", *tiles, "-tile", f"{columns}x", "-geometry", "+4+4", "-pointsize", "13",
-                        "-background", "#202020", "-fill", "white", str(options.output)], check=True)
+                        "-font", "DejaVu-Sans", "-background", "#202020", "-fill", "white", str(options.output)], check=True)
     print(f"{options.output}: {len(tiles) // 3} pictures, {failed} failed")
 
 
