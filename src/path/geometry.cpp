@@ -112,6 +112,18 @@ Placement make_placement(const Node& node, int index) {
   return placement;
 }
 
+/// Whether rays can be taken into the object's space. Embree needs coordinates below 1.8e18 there.
+bool can_instance(const mat4& world_from_object) {
+  constexpr float kLargest = 1e12f;
+  const mat4 inverse = glm::inverse(world_from_object);
+  for (int c = 0; c < 4; ++c) {
+    for (int r = 0; r < 4; ++r) {
+      if (!(std::abs(inverse[c][r]) < kLargest)) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 MaterialData::MaterialData(const Scene& scene, const Material& material)
@@ -193,8 +205,8 @@ Geometry::Geometry(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(node.mesh)];
     Placement placement = make_placement(node, static_cast<int>(i));
 
-    // ----- placed once: straight into the top level, in world space
-    if (uses[node.mesh] == 1) {
+    // ----- placed once, or flattened: straight into the top level, in world space
+    if (uses[node.mesh] == 1 || !can_instance(node.world_from_node)) {
       for (const Primitive& primitive : mesh.primitives) {
         if (primitive.triangles.empty()) continue;
         meshes_.push_back(make_mesh(primitive, materials_[static_cast<std::size_t>(primitive.material)], &placement));

@@ -47,6 +47,7 @@ vec3 direct_light(const PathContext& context, const SurfacePoint& point, float u
     // From the offset origin to the point itself, and not quite: the lamp's own surface must not shadow it.
     const vec3 to_light = point.position + light.direction * light.distance - shadow.origin;
     const float distance = glm::length(to_light);
+    if (!(distance > 0.0f)) return vec3(0.0f);
     shadow.direction = to_light / distance;
     shadow.t_max = distance * (1.0f - 1e-4f);
   }

@@ -117,7 +117,9 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   SurfacePoint point;
   const TrianglePositions p = triangle_positions(placement, hit.triangle);
   point.position = p.p0 * b.x + p.p1 * b.y + p.p2 * b.z;
-  vec3 ng = glm::normalize(glm::cross(p.p1 - p.p0, p.p2 - p.p0));
+  vec3 ng = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
+  const float area2 = glm::dot(ng, ng);
+  ng = area2 > 0.0f ? ng * glm::inversesqrt(area2) : wo;  // too small for single precision
   if (placement.is_mirrored) ng = -ng;
   point.is_back = glm::dot(ng, wo) < 0.0f;
   if (point.is_back) ng = -ng;
@@ -126,7 +128,11 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   // ----- the smooth surface it stands for
   std::array<vec3, 3> normals{mesh.vertices[t.x].normal, mesh.vertices[t.y].normal, mesh.vertices[t.z].normal};
   if (!placement.is_world) {
-    for (vec3& n : normals) n = glm::normalize(placement.world_from_normal * n);
+    for (vec3& n : normals) {
+      n = placement.world_from_normal * n;
+      const float n2 = glm::dot(n, n);
+      if (n2 > 0.0f) n *= glm::inversesqrt(n2);  // a flattening transform leaves none
+    }
   }
   vec3 ns = normals[0] * b.x + normals[1] * b.y + normals[2] * b.z;
   const float length2 = glm::dot(ns, ns);
