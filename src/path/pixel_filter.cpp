@@ -1,5 +1,6 @@
 #include "path/pixel_filter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -29,28 +30,30 @@ double profile(PixelFilter filter, double t) {
 PixelFilterSampler::PixelFilterSampler(PixelFilter filter, float radius) : filter_(filter), radius_(radius) {
   if (radius_ <= 0.0f) radius_ = filter == PixelFilter::box ? 0.5f : 1.5f;
   constexpr int kSteps = 8192;
-  std::vector<double> integral(kSteps + 1);
+  std::vector<double> integral(kSteps + 1);  // from the middle outwards
   for (int i = 0; i < kSteps; ++i) {
-    const double t = 2.0 * (i + 0.5) / kSteps - 1.0;
-    integral[static_cast<std::size_t>(i + 1)] = integral[static_cast<std::size_t>(i)] + profile(filter, t);
+    const auto k = static_cast<std::size_t>(i);
+    integral[k + 1] = integral[k] + profile(filter, (i + 0.5) / kSteps);
   }
-  int step = 0;
+  int step = kSteps - 1;
   for (int k = 0; k <= kSize; ++k) {
-    const double target = integral.back() * k / kSize;
-    while (step + 1 < kSteps && integral[static_cast<std::size_t>(step + 1)] < target) ++step;
+    const double w = static_cast<double>(k) / kSize;
+    const double target = integral.back() * (1.0 - w * w);
+    while (step > 0 && integral[static_cast<std::size_t>(step)] > target) --step;
     const double a = integral[static_cast<std::size_t>(step)];
     const double b = integral[static_cast<std::size_t>(step + 1)];
-    const double t = 2.0 * (step + (b > a ? (target - a) / (b - a) : 0.0)) / kSteps - 1.0;
-    inverse_[static_cast<std::size_t>(k)] = static_cast<float>(t) * radius_;
+    const double t = (step + (b > a ? (target - a) / (b - a) : 0.0)) / kSteps;
+    inverse_[static_cast<std::size_t>(k)] = static_cast<float>(std::min(t, 1.0)) * radius_;
   }
 }
 
 float PixelFilterSampler::sample(float u) const {
-  if (filter_ == PixelFilter::box) return (2.0f * u - 1.0f) * radius_;
-  const float x = u * static_cast<float>(kSize);
+  const float s = 2.0f * u - 1.0f;
+  if (filter_ == PixelFilter::box) return s * radius_;
+  const float x = std::sqrt(1.0f - std::abs(s)) * static_cast<float>(kSize);
   const int i = static_cast<int>(x);
   const auto k = static_cast<std::size_t>(i < kSize ? i : kSize - 1);
-  return glm::mix(inverse_[k], inverse_[k + 1], x - static_cast<float>(k));
+  return std::copysign(glm::mix(inverse_[k], inverse_[k + 1], x - static_cast<float>(k)), s);
 }
 
 }  // namespace candela::path

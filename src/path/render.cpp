@@ -29,6 +29,11 @@ struct Totals {
   std::atomic<std::uint64_t> samples{0}, camera{0}, bounce{0}, shadow{0}, non_finite{0};
 };
 
+View without_lens(View view) {
+  view.lens.radius = 0.0f;
+  return view;
+}
+
 /// One rendering: owns what the passes share.
 class Job {
  public:
@@ -38,6 +43,7 @@ class Job {
         lights_(scene, environment, geometry_),
         context_{geometry_, lights_, settings.bounces, settings.background},
         camera_(view, settings.width, settings.height),
+        pinhole_(without_lens(view), settings.width, settings.height),
         filter_(settings.filter, settings.filter_radius),
         accumulator_(settings),
         converged_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height), 0),
@@ -53,6 +59,7 @@ class Job {
                     std::uint64_t& samples, std::uint64_t& non_finite);
   void find_converged();
   bool run_pass(std::uint32_t first_sample, std::uint32_t last_sample, const Callbacks& callbacks);
+  bool must_stop(const Callbacks& callbacks) const;
   void report(const Callbacks& callbacks);
   void trace_centre_layers(Film& film) const;
   std::uint32_t pixel_seed(int x, int y) const {
@@ -65,13 +72,15 @@ class Job {
   Lights lights_;
   PathContext context_;
   Camera camera_;
+  Camera pinhole_;  ///< through the middle of the lens: a polygon's numbers (½, ½) are not its middle
   PixelFilterSampler filter_;
   Accumulator accumulator_;
   std::vector<std::uint8_t> converged_;
   std::size_t converged_count_ = 0;
   int tiles_x_;
   int tiles_y_;
-  int chunk_ = 64;  ///< tiles between two looks at the clock
+  int chunk_ = 64;         ///< tiles between two looks at the clock
+  double fraction_ = 0.0;  ///< of the work, as last reported
   Totals totals_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_partial_ = Clock::now();
@@ -180,7 +189,8 @@ void Job::report(const Callbacks& callbacks) {
       p.fraction = std::max(p.fraction, static_cast<double>(converged_count_) / static_cast<double>(pixel_count()));
     }
     if (settings_.time_limit_s) p.fraction = std::max(p.fraction, p.seconds / *settings_.time_limit_s);
-    p.fraction = std::min(p.fraction, 1.0);
+    // A pixel may lose its convergence again; the bar does not go back.
+    p.fraction = fraction_ = std::clamp(p.fraction, fraction_, 1.0);
     if (p.fraction > 0.0) p.remaining_s = p.seconds * (1.0 - p.fraction) / p.fraction;
     callbacks.progress(p);
   }
@@ -188,6 +198,11 @@ void Job::report(const Callbacks& callbacks) {
     callbacks.partial(film());
     last_partial_ = Clock::now();
   }
+}
+
+bool Job::must_stop(const Callbacks& callbacks) const {
+  return (callbacks.stop != nullptr && callbacks.stop->load()) ||
+         (settings_.time_limit_s && seconds_since(start_) >= *settings_.time_limit_s);
 }
 
 /// False when the work has to stop.
@@ -206,11 +221,10 @@ bool Job::run_pass(std::uint32_t first_sample, std::uint32_t last_sample, const 
     chunk_ = std::clamp(static_cast<int>(rate * kLookEvery), 16, tiles);
     begin = end;
     report(callbacks);
-    if (callbacks.stop != nullptr && callbacks.stop->load()) return false;
     // The first pass is always whole, so that no part of the picture is missing.
-    if (first_sample > 0 && settings_.time_limit_s && seconds_since(start_) >= *settings_.time_limit_s) return false;
+    if (first_sample > 0 && must_stop(callbacks)) return false;
   }
-  return !(settings_.time_limit_s && seconds_since(start_) >= *settings_.time_limit_s);
+  return !must_stop(callbacks);
 }
 
 void Job::run(const Callbacks& callbacks, Statistics& statistics) {
@@ -228,6 +242,10 @@ void Job::run(const Callbacks& callbacks, Statistics& statistics) {
       find_converged();
       if (converged_count_ == pixel_count()) break;
     }
+  }
+  if (!statistics.interrupted) {
+    fraction_ = 1.0;
+    report(callbacks);
   }
   statistics.render_s = seconds_since(start_);
   statistics.samples = totals_.samples;
@@ -253,7 +271,7 @@ void Job::trace_centre_layers(Film& film) const {
   parallel_for(0, static_cast<std::size_t>(settings_.height), 4, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       for (int x = 0; x < settings_.width; ++x) {
-        Ray ray = camera_.generate(vec2(x, y) + 0.5f, vec2(0.5f)).ray;
+        Ray ray = pinhole_.generate(vec2(x, y) + 0.5f, vec2(0.5f)).ray;
         const vec3 eye = ray.origin;
         SobolSampler sampler(pixel_seed(x, y), 0);
         RayCounts counts;
@@ -288,11 +306,21 @@ void check_settings(const Settings& s) {
   if (s.time_limit_s && !(*s.time_limit_s > 0.0)) throw Error("the time limit must be above 0");
 }
 
+void check_view(const View& view) {
+  constexpr float kFarthest = 1e15f;  // metres; Embree's arithmetic ends at 1.8e18
+  for (int c = 0; c < 4; ++c) {
+    for (int row = 0; row < 4; ++row) {
+      if (!(std::abs(view.world_from_camera[c][row]) < kFarthest)) throw Error("the camera is out of range");
+    }
+  }
+}
+
 }  // namespace
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             Statistics* statistics, const Callbacks& callbacks) {
   check_settings(settings);
+  check_view(view);
   Statistics local;
   const auto start = Clock::now();
   Job job(scene, environment, view, settings);
