@@ -78,9 +78,10 @@ SHADE_FN float surface_boundary_transmission(Surface s, float cos_theta) {
   return 1.0f - s.boundary_f0 - s.boundary_rise * schlick_weight(cos_theta);
 }
 
-/// The Lambertian layer below the boundary, times cos θi: ρ/π T(wo) T(wi) / T_avg, which returns exactly what the boundary
-/// lets in (Kelemen & Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model"). The 1 - F(wo·h)
-/// of glTF's fresnel_mix is not used: under a smooth boundary it reflects up to 1.7 times the light that arrives.
+/// The Lambertian layer below the boundary, times cos θi: ρ/π T(wo) T(wi) / T_avg, which returns exactly what the
+/// boundary lets in (Kelemen & Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model"). The 1 -
+/// F(wo·h) of glTF's fresnel_mix is not used: under a smooth boundary it reflects up to 1.7 times the light that
+/// arrives.
 SHADE_FN vec3 surface_diffuse(Surface s, float cos_theta_o, float cos_theta_i) {
   float t_average = 1.0f - s.boundary_f0 - s.boundary_rise * (1.0f / 21.0f);  // cosine-weighted mean of (1 - cos)^5
   float t = surface_boundary_transmission(s, cos_theta_o) * surface_boundary_transmission(s, cos_theta_i);
@@ -118,14 +119,16 @@ SHADE_FN Surface surface_prepare(SurfaceParams p, float cos_theta_o) {
 /// Whether every lobe is a delta, so that no direction but the sampled ones can carry light.
 SHADE_FN bool surface_is_delta(Surface s) { return s.is_mirror && s.specular_chance >= 1.0f; }
 
-/// f·|cos θi| and the density of surface_sample, without delta lobes. Zero unless both directions are above the surface.
+/// f·|cos θi| and the density of surface_sample, without delta lobes. Zero unless both directions are above the
+/// surface.
 SHADE_FN SurfaceEval surface_eval(Surface s, vec3 wo, vec3 wi) {
   SurfaceEval r;
   r.value = vec3(0.0f);
   r.pdf = 0.0f;
   if (wo.z <= 0.0f || wi.z <= 0.0f) return r;
-  vec3 wm = normalize(wo + wi);
-  float cos_m = dot(wo, wm);
+  vec3 wm = wo + wi;
+  float cos_m = 0.5f * length(wm);  // = wo·wm = wi·wm, the same from both sides to the last bit
+  wm = wm * (0.5f / cos_m);
   r.value = surface_diffuse(s, wo.z, wi.z);
   r.pdf = (1.0f - s.specular_chance) * cosine_pdf(wi.z);
   if (!s.is_mirror) {
