@@ -8,6 +8,8 @@ namespace candela {
 
 namespace {
 
+constexpr float kAlmostOne = 0x1.fffffep-1f;  // the last float below 1
+
 /// Fills `cdf` (weights.size() + 1 values from 0 to 1); returns the sum of the weights.
 double fill_cdf(std::span<const float> weights, std::span<float> cdf) {
   const std::size_t n = weights.size();
@@ -51,7 +53,7 @@ std::size_t find_interval(const float* cdf, std::size_t n, const Index* guide, s
 
 float remainder(const float* cdf, std::size_t i, float u) {
   const float width = cdf[i + 1] - cdf[i];
-  return width > 0.0f ? std::clamp((u - cdf[i]) / width, 0.0f, 0x1.fffffep-1f) : 0.0f;
+  return width > 0.0f ? std::clamp((u - cdf[i]) / width, 0.0f, kAlmostOne) : 0.0f;
 }
 
 }  // namespace
@@ -93,7 +95,9 @@ Distribution2D::Sample Distribution2D::sample(vec2 u) const {
   const auto h = static_cast<float>(height_);
   Sample s;
   s.cell = {static_cast<int>(x), row.index};
-  s.uv = {(static_cast<float>(x) + remainder(cdf, x, u.x)) / w, (static_cast<float>(row.index) + row.u) / h};
+  // Far from 0 the sum rounds up to the next cell, and in the last one to 1.
+  s.uv = {std::min((static_cast<float>(x) + remainder(cdf, x, u.x)) / w, kAlmostOne),
+          std::min((static_cast<float>(row.index) + row.u) / h, kAlmostOne)};
   s.pdf = row.pmf * (cdf[x + 1] - cdf[x]) * w * h;
   return s;
 }
