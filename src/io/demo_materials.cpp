@@ -120,7 +120,7 @@ void add_ball(SceneBuilder& builder, const std::string& name, const mat4& place,
 int hammered_copper(SceneBuilder& builder) {
   Material material = metal("hammered copper", kCopper, 0.16f);
   material.normal_texture =
-      builder.texture("hammered", normal_texture(1024, [](vec2 uv) { return hammered(uv, 12); }), vec2(1.0f));
+      builder.texture("hammered", normal_texture(512, [](vec2 uv) { return hammered(uv, 12); }), vec2(1.0f));
   return builder.material(material);
 }
 
@@ -128,8 +128,8 @@ int lacquered_walnut(SceneBuilder& builder) {
   Material material = dielectric("lacquered walnut", vec3(1.0f), 1.0f);
   material.base_color_texture = builder.texture("walnut", color_texture(1024, walnut));
   material.metallic_roughness_texture = builder.texture(
-      "walnut gloss", roughness_texture(1024, [](vec2 uv) { return vec2(0.16f + 0.35f * wood_pores(uv), 0.0f); }));
-  material.normal_texture = builder.texture("walnut pores", normal_texture(1024, [](vec2 uv) {
+      "walnut gloss", roughness_texture(512, [](vec2 uv) { return vec2(0.16f + 0.35f * wood_pores(uv), 0.0f); }));
+  material.normal_texture = builder.texture("walnut pores", normal_texture(512, [](vec2 uv) {
                                               return -0.00025f * wood_pores(uv) - 0.0002f * wood_grain(uv);
                                             }));
   return builder.material(material);
@@ -139,9 +139,9 @@ int brushed_brass(SceneBuilder& builder) {
   const auto streaks = [](vec2 uv) { return tiling_fractal(uv * vec2(6.0f, 160.0f), {6, 160}, 3, 0.7f, 71); };
   Material material = metal("brushed brass", kBrass, 1.0f);
   material.normal_texture =
-      builder.texture("brushed", normal_texture(1024, [&](vec2 uv) { return 0.00045f * streaks(uv); }));
+      builder.texture("brushed", normal_texture(512, [&](vec2 uv) { return 0.00045f * streaks(uv); }));
   material.metallic_roughness_texture = builder.texture(
-      "brushed gloss", roughness_texture(1024, [&](vec2 uv) { return vec2(0.27f + 0.08f * streaks(uv), 1.0f); }));
+      "brushed gloss", roughness_texture(512, [&](vec2 uv) { return vec2(0.27f + 0.08f * streaks(uv), 1.0f); }));
   return builder.material(material);
 }
 
@@ -186,9 +186,9 @@ void add_lamp(SceneBuilder& builder, vec3 place, int foot, int parent) {
 
 void add_cubes(SceneBuilder& builder, vec3 place, int parent) {
   Material stone = dielectric("terrazzo", vec3(1.0f), 0.22f);
-  stone.base_color_texture = builder.texture("terrazzo", color_texture(1024, terrazzo));
+  stone.base_color_texture = builder.texture("terrazzo", color_texture(512, terrazzo));
   Material white = dielectric("marble", vec3(1.0f), 0.12f);
-  white.base_color_texture = builder.texture("marble", color_texture(1024, marble));
+  white.base_color_texture = builder.texture("marble", color_texture(512, marble));
   Material clay = dielectric("clay", srgb(0xb5533c), 0.9f);
   clay.normal_texture = builder.texture("clay grain", normal_texture(512, [](vec2 uv) {
                                           return 0.0016f * tiling_fractal(uv * 60.0f, {60, 60}, 3, 0.6f, 81);

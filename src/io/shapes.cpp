@@ -12,10 +12,14 @@ unsigned int index(std::size_t i) { return static_cast<unsigned int>(i); }
 vec2 polar(float angle) { return {std::sin(angle), std::cos(angle)}; }
 
 /// Points on an arc whose normal turns from one polar angle to another; `side` is -1 on the hollow side of the arc.
+/// Where the outline already ends at the arc's beginning, smoothly, that point is not repeated: rounding would fold it.
 void add_arc(Outline& outline, vec2 center, float radius, float from, float to, int segments, float side = 1.0f) {
   for (int i = 0; i <= segments; ++i) {
     const float angle = glm::mix(from, to, static_cast<float>(i) / static_cast<float>(segments));
-    outline.push_back({center + radius * polar(angle), side * polar(angle)});
+    const OutlinePoint point{center + radius * polar(angle), side * polar(angle)};
+    const bool repeats = i == 0 && !outline.empty() && glm::dot(outline.back().normal, point.normal) > 0.999f &&
+                         glm::length(outline.back().position - point.position) < 1e-4f * radius;
+    if (!repeats) outline.push_back(point);
   }
 }
 

@@ -82,9 +82,9 @@ Environment make_studio() {
   const vec3 warm(1.04f, 1.0f, 0.94f), cool(0.95f, 1.0f, 1.07f), white(1.0f);
   const Softbox lamps[] = {
       // key: large, front left, above the camera
-      {around_camera(-46.0f, 38.0f), {17.0f, 17.0f}, 0.03f, 0.35f, 7.6f * warm},
+      {around_camera(-46.0f, 38.0f), {15.5f, 15.5f}, 0.03f, 0.35f, 7.0f * warm},
       // overhead: long, a little behind the subject so that tops shine
-      {around_camera(180.0f, 76.0f), {24.0f, 10.0f}, 0.03f, 0.35f, 8.0f * white},
+      {around_camera(180.0f, 76.0f), {20.0f, 8.0f}, 0.03f, 0.35f, 6.6f * white},
       // rims: narrow strips behind left and right
       {around_camera(-128.0f, 22.0f), {3.2f, 24.0f}, 0.016f, 0.3f, 8.0f * cool},
       {around_camera(120.0f, 24.0f), {4.2f, 26.0f}, 0.018f, 0.3f, 9.0f * cool},

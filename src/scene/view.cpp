@@ -32,6 +32,35 @@ mat4 without_scale(const mat4& m, const std::string& where) {
   return rigid(x, glm::cross(z, x), z, vec3(m[3]));
 }
 
+/// Where the camera stands along one axis of the picture: its distance and how far it is shifted sideways.
+struct AxisFit {
+  float distance;
+  float shift;
+};
+
+/// The nearest place from where every corner (sideways, towards the camera) is seen within the slope `k`. A corner is
+/// inside when |sideways - shift| <= k (distance - towards): each side bounds distance and shift linearly, so there is
+/// a closed form.
+AxisFit fit_axis(const std::array<vec2, 8>& corners, float k) {
+  float right = -kInfinity, left = -kInfinity;
+  for (const vec2 c : corners) {
+    right = std::max(right, c.x + k * c.y);
+    left = std::max(left, -c.x + k * c.y);
+  }
+  return {.distance = (right + left) / (2.0f * k), .shift = 0.5f * (right - left)};
+}
+
+/// The shift that centres the corners as seen from `distance`, on the axis that is perhaps not the tight one: the slope
+/// for which `distance` is just right is found by halving.
+float centered_shift(const std::array<vec2, 8>& corners, float k, float distance) {
+  float lower = 0.0f, upper = k;
+  for (int i = 0; i < 40; ++i) {
+    const float middle = 0.5f * (lower + upper);
+    (fit_axis(corners, middle).distance > distance ? lower : upper) = middle;
+  }
+  return fit_axis(corners, upper).shift;
+}
+
 PerspectiveCamera fit(PerspectiveCamera camera, float aspect) {
   // glTF 2.0 § 3.10.3: a viewport of another shape must not crop, so a narrower picture keeps the horizontal angle.
   if (camera.aspect_ratio && aspect < *camera.aspect_ratio)
@@ -87,24 +116,21 @@ View frame_box(const Box3& box, float aspect, float yfov, const Orbit& orbit) {
   const vec3 right(ca, 0.0f, -sa);
   const vec3 up = glm::cross(back, right);
 
-  // A corner p is inside when |dot(p - eye, right)| <= k (distance - dot(p, back)); likewise for `up`. Each side of the
-  // frame bounds the distance and the sideways shift of the camera linearly, so the tightest view has a closed form.
   const float tan_y = std::tan(0.5f * yfov);
   const float ky = kFill * tan_y, kx = ky * aspect;
-  float most_right = -kInfinity, most_left = -kInfinity, most_up = -kInfinity, most_down = -kInfinity;
+  std::array<vec2, 8> across, upwards;  // (sideways, towards the camera) of every corner
   float nearest = -kInfinity;
-  for (int corner = 0; corner < 8; ++corner) {
-    const vec3 p = half_size * vec3(corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f, corner & 4 ? 1.0f : -1.0f);
-    const float x = glm::dot(p, right), y = glm::dot(p, up), z = glm::dot(p, back);
-    most_right = std::max(most_right, x + kx * z);
-    most_left = std::max(most_left, -x + kx * z);
-    most_up = std::max(most_up, y + ky * z);
-    most_down = std::max(most_down, -y + ky * z);
-    nearest = std::max(nearest, z);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const vec3 p = half_size * vec3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f);
+    across[i] = {glm::dot(p, right), glm::dot(p, back)};
+    upwards[i] = {glm::dot(p, up), glm::dot(p, back)};
+    nearest = std::max(nearest, glm::dot(p, back));
   }
-  const float fitting = std::max((most_right + most_left) / (2.0f * kx), (most_up + most_down) / (2.0f * ky));
-  const float distance = std::max(fitting, nearest + 1e-3f * glm::length(half_size)) * orbit.distance_scale;
-  const vec3 shift = 0.5f * (most_right - most_left) * right + 0.5f * (most_up - most_down) * up;
+  const float fitting = std::max(fit_axis(across, kx).distance, fit_axis(upwards, ky).distance);
+  const float near_limit = nearest + 1e-3f * glm::length(half_size);
+  const float whole = std::max(fitting, near_limit);
+  const float distance = whole * orbit.distance_scale;
+  const vec3 shift = centered_shift(across, kx, whole) * right + centered_shift(upwards, ky, whole) * up;
 
   View view;
   view.world_from_camera = rigid(right, up, back, center + shift + distance * back);

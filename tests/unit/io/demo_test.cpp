@@ -182,10 +182,17 @@ TEST(unit_io_patterns, colours_are_encoded_once) {
   EXPECT_EQ(texture->pixels[3], 0xff);
 }
 
+/// Made once for all tests.
+const Scene& demo(const std::string& name) {
+  static std::map<std::string, Scene> scenes;
+  const auto found = scenes.find(name);
+  return found != scenes.end() ? found->second : scenes.emplace(name, make_demo(name)).first->second;
+}
+
 TEST(unit_io_demo, every_demo_is_valid_and_complete) {
   for (const DemoInfo& info : demos()) {
     SCOPED_TRACE(info.name);
-    const Scene scene = make_demo(info.name);
+    const Scene& scene = demo(info.name);
     EXPECT_NO_THROW(validate(scene));
     EXPECT_EQ(scene.name, info.name);
     EXPECT_FALSE(info.description.empty());
@@ -223,7 +230,7 @@ float visible_share(const Scene& scene, const View& view, float aspect, const No
 
 TEST(unit_io_demo, cameras_show_the_whole_subject) {
   for (const DemoInfo& info : demos()) {
-    const Scene scene = make_demo(info.name);
+    const Scene& scene = demo(info.name);
     for (const float aspect : {16.0f / 9.0f, 1.0f}) {
       const View view = scene_camera(scene, "0", aspect);
       for (const Node& node : scene.nodes) {
@@ -240,7 +247,7 @@ TEST(unit_io_demo, cameras_show_the_whole_subject) {
 }
 
 TEST(unit_io_demo, cornell_box_has_the_published_proportions) {
-  const Scene scene = make_demo("cornell");
+  const Scene& scene = demo("cornell");
   const Box3 bounds = world_bounds(scene);
   EXPECT_NEAR(bounds.size().x, 0.556f, 1e-4f);
   EXPECT_NEAR(bounds.size().y, 0.5488f, 1e-4f);
@@ -266,7 +273,7 @@ TEST(unit_io_demo, cornell_box_has_the_published_proportions) {
 }
 
 TEST(unit_io_demo, materials_stand_on_the_table) {
-  const Scene scene = make_demo("materials");
+  const Scene& scene = demo("materials");
   EXPECT_GT(scene.cameras[0].f_number, 0.0f);
   EXPECT_GT(scene.cameras[0].focus_distance, 0.5f);
   bool mask = false, light = false, normals = false;
