@@ -44,39 +44,39 @@ float hammered(vec2 uv, int cells) {
   return 0.30f * tiling_dents(uv * n, ivec2(cells), 9.0f, 11) / n;
 }
 
-/// Growth rings cut lengthwise, drawn out along u, with pores.
-float wood_grain(vec2 uv) {
+/// Growth rings, drawn out along u: pale early wood that darkens to a sharp edge.
+float wood_rings(vec2 uv) {
   const float bend = tiling_fractal(uv * vec2(2.0f, 3.0f), {2, 3}, 3, 0.5f, 21);
-  const float across = uv.y * 9.0f + 1.1f * bend;
+  const float across = uv.y * 11.0f + 1.6f * bend;
   const float ring = across - std::floor(across);
-  return smoothstep(0.0f, 0.75f, ring) * (1.0f - smoothstep(0.88f, 1.0f, ring));
+  return ring * ring * (1.0f - smoothstep(0.90f, 1.0f, ring));
 }
+/// Short dark vessels.
 float wood_pores(vec2 uv) {
-  const float fine = tiling_fractal(uv * vec2(12.0f, 220.0f), {12, 220}, 2, 0.6f, 31);
-  return smoothstep(0.25f, 0.7f, fine);
+  return smoothstep(0.22f, 0.55f, tiling_fractal(uv * vec2(14.0f, 150.0f), {14, 150}, 2, 0.5f, 31));
 }
 vec3 walnut(vec2 uv) {
-  const float streak = tiling_fractal(uv * vec2(3.0f, 40.0f), {3, 40}, 4, 0.6f, 41);
-  const vec3 light = srgb(0xa9713f), dark = srgb(0x4e2a14);
-  const vec3 wood = glm::mix(light, dark, glm::clamp(0.15f + 0.55f * wood_grain(uv) + 0.35f * streak, 0.0f, 1.0f));
-  return wood * (1.0f - 0.55f * wood_pores(uv));
+  const float streak = tiling_fractal(uv * vec2(2.0f, 36.0f), {2, 36}, 4, 0.65f, 41);
+  const vec3 light = srgb(0xb8824c), dark = srgb(0x3d1f10);
+  const float depth = glm::clamp(0.22f + 0.75f * wood_rings(uv) + 0.65f * streak, 0.0f, 1.0f);
+  return glm::mix(light, dark, depth) * (1.0f - 0.6f * wood_pores(uv));
 }
 
-/// White marble: veins where warped noise crosses zero.
+/// Black marble: veins where warped noise crosses zero.
 vec3 marble(vec2 uv) {
   const vec2 warp(tiling_fractal(uv * 3.0f, {3, 3}, 5, 0.5f, 51), tiling_fractal(uv * 3.0f, {3, 3}, 5, 0.5f, 52));
   const float thick = std::abs(tiling_fractal((uv + 0.22f * warp) * vec2(2.0f, 3.0f), {2, 3}, 4, 0.5f, 53));
   const float thin = std::abs(tiling_fractal((uv + 0.3f * warp) * vec2(4.0f, 5.0f), {4, 5}, 4, 0.5f, 54));
-  const float vein = 0.85f * std::exp(-thick * 26.0f) + 0.4f * std::exp(-thin * 40.0f);
+  const float vein = 0.8f * std::exp(-thick * 48.0f) + 0.35f * std::exp(-thin * 60.0f);
   const float cloud = 0.5f + 0.5f * tiling_fractal(uv * 4.0f, {4, 4}, 4, 0.5f, 55);
-  const vec3 stone = glm::mix(srgb(0xf1eee8), srgb(0xd9d6d2), cloud);
-  return glm::mix(stone, srgb(0x55585e), glm::clamp(vein, 0.0f, 1.0f));
+  const vec3 stone = glm::mix(srgb(0x0f1412), srgb(0x1f2824), cloud);
+  return glm::mix(stone, srgb(0xd9d6cc), glm::clamp(vein, 0.0f, 1.0f));
 }
 
 /// Chips of stone in cement.
 vec3 terrazzo(vec2 uv) {
-  const std::array<vec3, 5> chips{srgb(0xc8553d), srgb(0x2f4858), srgb(0xe3b23c), srgb(0x7d8f69), srgb(0xf4f1ea)};
-  vec3 color = srgb(0xd8cfc2) * (1.0f + 0.08f * tiling_fractal(uv * 48.0f, {48, 48}, 2, 0.5f, 61));
+  const std::array<vec3, 5> chips{srgb(0xc8553d), srgb(0x5d8aa8), srgb(0xe3b23c), srgb(0x8fa37a), srgb(0xe9e2d4)};
+  vec3 color = srgb(0x3a3f45) * (1.0f + 0.15f * tiling_fractal(uv * 48.0f, {48, 48}, 2, 0.5f, 61));
   for (const int cells : {17, 9}) {
     const vec2 bent =
         uv + 0.012f * vec2(tiling_noise(uv * 22.0f, {22, 22}, 62), tiling_noise(uv * 22.0f, {22, 22}, 63));
@@ -129,9 +129,8 @@ int lacquered_walnut(SceneBuilder& builder) {
   material.base_color_texture = builder.texture("walnut", color_texture(1024, walnut));
   material.metallic_roughness_texture = builder.texture(
       "walnut gloss", roughness_texture(512, [](vec2 uv) { return vec2(0.16f + 0.35f * wood_pores(uv), 0.0f); }));
-  material.normal_texture = builder.texture("walnut pores", normal_texture(512, [](vec2 uv) {
-                                              return -0.00025f * wood_pores(uv) - 0.0002f * wood_grain(uv);
-                                            }));
+  material.normal_texture =
+      builder.texture("walnut pores", normal_texture(512, [](vec2 uv) { return -0.00020f * wood_pores(uv); }));
   return builder.material(material);
 }
 
@@ -147,7 +146,7 @@ int brushed_brass(SceneBuilder& builder) {
 
 void add_lamp(SceneBuilder& builder, vec3 place, int foot, int parent) {
   const int root = builder.node("lamp", -1, translation(place), parent);
-  Material shade = dielectric("perforated shade", srgb(0xf3ead9), 0.55f);
+  Material shade = dielectric("perforated shade", srgb(0x23282c), 0.35f);
   shade.alpha_mode = AlphaMode::mask;
   shade.double_sided = true;
   shade.base_color_texture =
@@ -168,7 +167,7 @@ void add_lamp(SceneBuilder& builder, vec3 place, int foot, int parent) {
                mat4(1.0f), root);
 
   Material glow = dielectric("frosted tube", srgb(0xfff0dc), 0.6f);
-  glow.emission = vec3(1.0f, 0.60f, 0.26f) * 5.0f;
+  glow.emission = vec3(1.0f, 0.52f, 0.19f) * 3.0f;
   const std::array<OutlineCorner, 4> tube{
       {{{0.0f, 0.070f}}, {{0.022f, 0.070f}, 0.008f}, {{0.022f, 0.145f}, 0.012f}, {{0.0f, 0.145f}}}};
   builder.node("lamp tube", builder.mesh("lamp tube", lathe(rounded_outline(tube), 32), builder.material(glow)),
@@ -187,7 +186,7 @@ void add_lamp(SceneBuilder& builder, vec3 place, int foot, int parent) {
 void add_cubes(SceneBuilder& builder, vec3 place, int parent) {
   Material stone = dielectric("terrazzo", vec3(1.0f), 0.22f);
   stone.base_color_texture = builder.texture("terrazzo", color_texture(512, terrazzo));
-  Material white = dielectric("marble", vec3(1.0f), 0.12f);
+  Material white = dielectric("marble", vec3(1.0f), 0.2f);
   white.base_color_texture = builder.texture("marble", color_texture(512, marble));
   Material clay = dielectric("clay", srgb(0xb5533c), 0.9f);
   clay.normal_texture = builder.texture("clay grain", normal_texture(512, [](vec2 uv) {
@@ -201,7 +200,7 @@ void add_cubes(SceneBuilder& builder, vec3 place, int parent) {
   };
   const std::array<Cube, 3> cubes{{{std::move(stone), 0.034f, 24.0f, {0.0f, 0.0f}},
                                    {std::move(clay), 0.026f, -14.0f, {-0.004f, 0.002f}},
-                                   {std::move(white), 0.019f, 33.0f, {0.003f, 0.001f}}}};
+                                   {std::move(white), 0.019f, 52.0f, {0.003f, 0.001f}}}};
   float height = place.y;
   for (const Cube& cube : cubes) {
     const vec3 center(place.x + cube.shift.x, height + cube.half, place.z + cube.shift.y);
@@ -238,16 +237,17 @@ Scene make_materials() {
   // The studio's lamps stand around a camera at azimuth 35°.
   const int root = builder.node("still life", -1, rotation_y(35.0f));
 
-  Material paper = dielectric("slate", srgb(0x39464f), 0.42f);
+  Material table = dielectric("polished slate", srgb(0x2b343b), 0.12f);
   builder.node("backdrop",
-               builder.mesh("backdrop", backdrop_sweep(1.5f, 0.9f, -1.5f, 0.5f, 0.52f, 64), builder.material(paper)),
+               builder.mesh("backdrop", quad(vec3(-4.0f, 0.0f, 1.0f), vec3(8.0f, 0.0f, 0.0f), vec3(0.0f, 0.0f, -9.0f)),
+                            builder.material(table)),
                mat4(1.0f), root);
 
   const int porcelain = builder.material(dielectric("petrol glaze", srgb(0x0e6576), 0.07f));
   const int gold = builder.material(metal("gold", kGold, 0.12f));
   const int steel = builder.material(metal("satin steel", kSteel, 0.3f));
   const int black = builder.material(dielectric("black lacquer", srgb(0x141416), 0.18f));
-  const int ivory = builder.material(dielectric("ivory", srgb(0xeae2d3), 0.25f));
+  const int ivory = builder.material(dielectric("ivory", srgb(0xdfd5c2), 0.22f));
   const int copper = hammered_copper(builder);
   const int walnut_wood = lacquered_walnut(builder);
   const int brass = brushed_brass(builder);
@@ -265,15 +265,15 @@ Scene make_materials() {
                translation(knot_place + vec3(0.0f, 0.122f, 0.0f)) * rotation_y(18.0f) * rotation_z(30.0f), root);
   const std::array<OutlineCorner, 4> drum{
       {{{0.0f, 0.0f}}, {{0.040f, 0.0f}, 0.002f}, {{0.040f, 0.066f}, 0.003f}, {{0.0f, 0.066f}}}};
-  builder.node("plinth", builder.mesh("plinth", lathe(rounded_outline(drum), 128), ivory), translation(knot_place),
+  builder.node("plinth", builder.mesh("plinth", lathe(rounded_outline(drum), 128), black), translation(knot_place),
                root);
   add_cubes(builder, vec3(-0.225f, 0.0f, -0.13f), root);
   add_lamp(builder, vec3(0.212f, 0.0f, -0.125f), steel, root);
   add_marbles(builder, root);
 
-  builder.camera(vec3(0.0f, 0.215f, 0.78f), vec3(0.0f, 0.072f, -0.02f), 20.5f, 16.0f / 9.0f, root, 8.0f,
+  builder.camera(vec3(0.0f, 0.245f, 0.78f), vec3(0.0f, 0.070f, -0.02f), 20.5f, 16.0f / 9.0f, root, 8.0f,
                  vec3(0.0f, 0.06f, 0.075f));
-  return builder.finish("studio", 1.0f);
+  return builder.finish("studio", 1.25f);
 }
 
 }  // namespace candela::io
