@@ -175,8 +175,8 @@ class Loader {
   void collect_materials();
   void read_meshes_and_images();
   void place_nodes();
-  template <class T, class Read>
-  int index_once(std::map<std::size_t, int>& known, std::size_t file_index, std::vector<T>& list, const Read& read);
+  void read_cameras_and_lights();
+  void check_extent(const FileNode& node, std::size_t file_index, const Box3& box) const;
 
   JsonView root_;
   const UriReader& uris_;
@@ -185,15 +185,16 @@ class Loader {
   GltfBuffers buffers_;
   AccessorReader reader_;
   FileScene file_;
-  std::map<MeshKey, std::size_t> mesh_of_key_;
-  std::vector<MeshKey> mesh_keys_;
+  std::map<MeshKey, std::size_t> mesh_of_key_;            ///< ordered, and so are the scene's meshes
   std::vector<std::optional<std::size_t>> mesh_of_node_;  ///< of the file
+  std::map<std::size_t, int> camera_of_file_, light_of_file_;
   MaterialSet materials_;
   Scene scene_;
 };
 
 void Loader::collect_meshes() {
   mesh_of_node_.resize(file_.nodes.size());
+  std::vector<std::pair<std::size_t, std::map<MeshKey, std::size_t>::iterator>> uses;
   std::map<std::size_t, std::vector<float>> default_weights;
   for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
     FileNode& node = file_.nodes[i];
@@ -207,19 +208,20 @@ void Loader::collect_meshes() {
     }
     // Targets without weight change nothing: equal poses share a mesh.
     while (!weights.empty() && weights.back() == 0.0f) weights.pop_back();
-    MeshKey key(*node.mesh, std::move(weights), node.skin);
-    const auto [found, is_new] = mesh_of_key_.try_emplace(key, mesh_keys_.size());
-    if (is_new) mesh_keys_.push_back(std::move(key));
-    mesh_of_node_[i] = found->second;
+    const auto found = mesh_of_key_.try_emplace(MeshKey(*node.mesh, std::move(weights), node.skin)).first;
+    uses.emplace_back(i, found);
   }
+  std::size_t count = 0;
+  for (auto& [key, index] : mesh_of_key_) index = count++;
+  for (const auto& [node, found] : uses) mesh_of_node_[node] = found->second;
 }
 
 void Loader::collect_materials() {
   std::vector<bool> used(count_of(root_, "materials"), false);
   bool want_default = false;
   std::vector<bool> seen(count_of(root_, "meshes"), false);
-  for (const MeshKey& key : mesh_keys_) {
-    const std::size_t index = std::get<0>(key);
+  for (const auto& entry : mesh_of_key_) {
+    const std::size_t index = std::get<0>(entry.first);
     if (seen[index]) continue;
     seen[index] = true;
     const JsonView primitives = root_.at("meshes")[index].at("primitives");
@@ -248,7 +250,8 @@ void Loader::read_meshes_and_images() {
     MeshReader reader(reader_, warnings_, materials_.materials, materials_.material_of_file,
                       materials_.default_material);
     std::map<std::size_t, std::vector<mat4>> skins;
-    for (const auto& [mesh, weights, skin] : mesh_keys_) {
+    for (const auto& entry : mesh_of_key_) {
+      const auto& [mesh, weights, skin] = entry.first;
       MeshPose pose{weights, {}};
       if (skin) {
         const auto [found, is_new] = skins.try_emplace(*skin);
@@ -277,12 +280,32 @@ void Loader::read_meshes_and_images() {
   }
 }
 
-template <class T, class Read>
-int Loader::index_once(std::map<std::size_t, int>& known, std::size_t file_index, std::vector<T>& list,
-                       const Read& read) {
-  const auto [found, is_new] = known.try_emplace(file_index, static_cast<int>(list.size()));
-  if (is_new) list.push_back(read());
-  return found->second;
+void Loader::read_cameras_and_lights() {
+  for (const FileNode& node : file_.nodes) {
+    if (node.in_scene && node.camera) camera_of_file_[*node.camera] = 0;
+    if (node.in_scene && node.light) light_of_file_[*node.light] = 0;
+  }
+  for (auto& [file_index, index] : camera_of_file_) {
+    index = static_cast<int>(scene_.cameras.size());
+    scene_.cameras.push_back(read_camera(root_.at("cameras")[file_index]));
+  }
+  for (auto& [file_index, index] : light_of_file_) {
+    index = static_cast<int>(scene_.lights.size());
+    scene_.lights.push_back(read_light(root_.extension("KHR_lights_punctual")->at("lights")[file_index], warnings_));
+  }
+}
+
+/// World coordinates obey the limit of a mesh's own.
+void Loader::check_extent(const FileNode& node, std::size_t file_index, const Box3& box) const {
+  for (int corner = 0; corner < 8; ++corner) {
+    const vec3 p((corner & 1) != 0 ? box.upper.x : box.lower.x, (corner & 2) != 0 ? box.upper.y : box.lower.y,
+                 (corner & 4) != 0 ? box.upper.z : box.lower.z);
+    const vec3 world = glm::abs(transform_point(node.world_from_node, p));
+    if (!(max_component(world) <= kLargestCoordinate)) {
+      throw root_.at("nodes")[file_index].error(
+          fmt::format("the mesh reaches beyond {:g} metres from the origin", kLargestCoordinate));
+    }
+  }
 }
 
 void Loader::place_nodes() {
@@ -291,7 +314,12 @@ void Loader::place_nodes() {
   for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
     if (file_.nodes[i].in_scene) node_of_file[i] = count++;
   }
-  std::map<std::size_t, int> cameras, lights;
+  std::vector<Box3> boxes(scene_.meshes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (const Primitive& primitive : scene_.meshes[i].primitives) {
+      for (const vec3 p : primitive.positions) boxes[i].extend(p);
+    }
+  }
   std::vector<Node> skinned;
   for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
     const FileNode& source = file_.nodes[i];
@@ -300,16 +328,8 @@ void Loader::place_nodes() {
     node.name = source.name;
     node.parent = source.parent ? node_of_file[*source.parent] : -1;
     node.parent_from_node = source.parent_from_node;
-    if (source.camera) {
-      node.camera = index_once(cameras, *source.camera, scene_.cameras,
-                               [&] { return read_camera(root_.at("cameras")[*source.camera]); });
-    }
-    if (source.light) {
-      const auto read = [&] {
-        return read_light(root_.extension("KHR_lights_punctual")->at("lights")[*source.light], warnings_);
-      };
-      node.light = index_once(lights, *source.light, scene_.lights, read);
-    }
+    if (source.camera) node.camera = camera_of_file_.at(*source.camera);
+    if (source.light) node.light = light_of_file_.at(*source.light);
     const auto mesh = mesh_of_node_[i];
     if (mesh && !scene_.meshes[*mesh].primitives.empty()) {
       if (source.skin) {
@@ -318,6 +338,7 @@ void Loader::place_nodes() {
         posed.mesh = static_cast<int>(*mesh);
         skinned.push_back(posed);
       } else {
+        check_extent(source, i, boxes[*mesh]);
         node.mesh = static_cast<int>(*mesh);
       }
     }
@@ -333,6 +354,7 @@ Scene Loader::load(const FileInfo& info) {
   collect_meshes();
   collect_materials();
   read_meshes_and_images();
+  read_cameras_and_lights();
   place_nodes();
   update_world_transforms(scene_);
   if (options_.decode_images) validate(scene_);

@@ -32,11 +32,12 @@ struct FileInfo {
 /// file and, where there is one, the JSON pointer. An unknown required extension is an Error that names it; unknown
 /// optional ones and recoverable oddities go to `diagnostics`. The result passes validate().
 ///
-/// The scene is the file's default scene (else its first, else all root nodes) and holds only what that scene uses, in
-/// the file's order: nodes, meshes, materials, textures, images, cameras and lights that nothing in it refers to are
-/// neither read nor decoded. Animations rest. Morph targets and skins are applied as the nodes stand; a skinned mesh,
-/// whose node's own transform glTF ignores, moves to a root node of the same name after the file's nodes. Triangles
-/// that have no area are dropped.
+/// The scene is the file's default scene (else its first, else all root nodes). It holds what that scene uses and
+/// nothing else, renumbered without gaps in the file's order: other nodes, meshes, materials, images, cameras and
+/// lights are neither read nor decoded. Animations rest. Morph targets and skins are applied as the nodes stand (a mesh
+/// appears once per pose); a skinned mesh, whose node's own transform glTF ignores, moves to a root node of the same
+/// name after the file's nodes. Triangles without an area and vertices without a triangle are dropped. Every uv set
+/// that a primitive's material reads is present, as zeros where the file has none. Coordinates stay within 1e9 metres.
 Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
 Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics, const LoadOptions& options,
                 FileInfo* info = nullptr);

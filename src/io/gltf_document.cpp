@@ -20,6 +20,8 @@ constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN\0"
 constexpr std::size_t kGlbHeader = 12;
 constexpr std::size_t kChunkHeader = 8;
+// A parsed document takes up to about thirty times its text.
+constexpr std::size_t kLargestJson = std::size_t{512} << 20;
 constexpr std::size_t kLongestQuotation = 200;  // characters of a parser message or URI that are worth repeating
 
 std::uint32_t read_u32(std::span<const std::byte> bytes, std::size_t offset) {
@@ -182,6 +184,7 @@ GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string file, D
   }
   // A chunk may be padded with zeros where the specification wants spaces.
   while (!container.json.empty() && container.json.back() == '\0') container.json.remove_suffix(1);
+  if (container.json.size() > kLargestJson) throw Error("the JSON is larger than 512 MiB", file_);
   try {
     json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(container.json));
   } catch (const nlohmann::json::exception& exception) {

@@ -11,8 +11,6 @@ namespace candela::io {
 
 namespace {
 
-// Coordinates whose cross products and squared distances still fit in a float with room to spare.
-constexpr float kLargestCoordinate = 1e9f;
 // Beyond this a float has no fraction worth looking up; the limit keeps texture transforms finite.
 constexpr float kLargestUv = 1e6f;
 

@@ -9,6 +9,9 @@
 
 namespace candela::io {
 
+/// Metres; coordinates whose cross products and squared distances still fit in a float with room to spare.
+inline constexpr float kLargestCoordinate = 1e9f;
+
 /// How one node shows a mesh.
 struct MeshPose {
   std::vector<float> weights;  ///< of the morph targets; missing ones count 0

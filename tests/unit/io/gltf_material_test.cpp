@@ -161,6 +161,19 @@ TEST(unit_io_gltf_material, texture_transforms_scale_then_rotate_then_move) {
   EXPECT_NEAR(uv.y, 18, 1e-5);
 }
 
+TEST(unit_io_gltf_material, texture_rotation_is_that_of_the_sample_asset) {
+  // TextureTransformTest, quad "Rotation": the arrow's tip lies at uv 0.7778, 0.7778 of its image, and the green marker
+  // that it has to meet stands at uv 0.4210, 1.0163 of the quad (the red one, for the opposite sense, at 1.0163,
+  // 0.4210).
+  Builder b = with_material(
+      {{"emissiveTexture",
+        {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"rotation", 0.39269908169872414}}}}}}}});
+  add_texture(b);
+  const vec2 uv = load(b).scene.materials[0].emissive_texture.apply(vec2(0.42095178f, 1.01626749f));
+  EXPECT_NEAR(uv.x, 0.7778f, 1e-3f);
+  EXPECT_NEAR(uv.y, 0.7778f, 1e-3f);
+}
+
 TEST(unit_io_gltf_material, textures_that_cannot_be_used_are_left_out_and_told) {
   Builder b = with_material({{"emissiveTexture", texture(0, 2)}});
   add_texture(b);

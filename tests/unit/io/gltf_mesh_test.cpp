@@ -165,10 +165,13 @@ TEST(unit_io_gltf_mesh, morph_targets_apply_with_the_meshs_and_the_nodes_weights
   const Loaded loaded = load(b);
   EXPECT_TRUE(loaded.warnings.empty());
   ASSERT_EQ(loaded.scene.meshes.size(), 2u);
-  EXPECT_EQ(loaded.scene.nodes[2].mesh, 0);
-  EXPECT_EQ(loaded.scene.meshes[0].primitives[0].positions[1], vec3(1, 0, 1));
-  EXPECT_EQ(loaded.scene.meshes[0].primitives[0].normals[0], vec3(0, 1, 0));
-  EXPECT_EQ(loaded.scene.meshes[1].primitives[0].positions[1], vec3(3, 0, 0));
+  EXPECT_EQ(loaded.scene.nodes[2].mesh, loaded.scene.nodes[0].mesh);
+  const auto shown = [&](std::size_t node) {
+    return loaded.scene.meshes[static_cast<std::size_t>(loaded.scene.nodes[node].mesh)].primitives.at(0);
+  };
+  EXPECT_EQ(shown(0).positions[1], vec3(1, 0, 1));
+  EXPECT_EQ(shown(0).normals[0], vec3(0, 1, 0));
+  EXPECT_EQ(shown(1).positions[1], vec3(3, 0, 0));
 }
 
 /// The triangle bound to two joints: vertex 0 to the first, 1 to the second, 2 half and half.
@@ -244,6 +247,9 @@ TEST(unit_io_gltf_mesh, absurd_coordinates_are_errors) {
   Builder b = triangle();
   primitive(b)["attributes"]["POSITION"] = b.vec3s({0, 0, 0, 1e30f, 0, 0, 0, 1, 0});
   EXPECT_THAT(error_of(b), HasSubstr("beyond 1e+09 metres"));
+  b = triangle();
+  b.root["nodes"][0]["scale"] = {1, 1e10, 1};
+  EXPECT_THAT(error_of(b), HasSubstr("#/nodes/0: the mesh reaches beyond"));
   b = triangle();
   primitive(b)["targets"] = {{{"POSITION", b.vec3s({3e38f, 0, 0, 0, 0, 0, 0, 0, 0})}}};
   b.root["meshes"][0]["weights"] = {3e38f};

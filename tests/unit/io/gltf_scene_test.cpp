@@ -135,6 +135,8 @@ TEST(unit_io_gltf_cameras, both_kinds_are_read) {
       {{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", -3}, {"znear", 0}, {"zfar", 9}}}}};
   const Scene scene = load(b).scene;
   ASSERT_EQ(scene.cameras.size(), 2u);
+  // In the file's order, whoever uses them first.
+  EXPECT_EQ(scene.cameras[0].name, "eye");
   EXPECT_EQ(scene.nodes[0].camera, scene.nodes[2].camera);
   const auto& ortho =
       std::get<OrthographicCamera>(scene.cameras[static_cast<std::size_t>(scene.nodes[0].camera)].projection);
