@@ -12,9 +12,4 @@ if(NOT embree_FOUND)
   find_package(embree 3.13 REQUIRED)
 endif()
 find_package(libjpeg-turbo REQUIRED)
-find_path(CANDELA_STB_INCLUDE stb_image.h PATH_SUFFIXES stb REQUIRED)
 find_program(CANDELA_GLSLANG glslangValidator REQUIRED)
-
-# Header-only, SYSTEM so that its warnings stay its own.
-add_library(candela_stb INTERFACE)
-target_include_directories(candela_stb SYSTEM INTERFACE ${CANDELA_STB_INCLUDE})

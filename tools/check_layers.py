@@ -28,6 +28,7 @@ THIRD_PARTY = {
     "CLI/": {"app"},
     "GL": set(),
     "Imath": {"image"},
+    "Imf": {"image"},
     "OpenEXR/": {"image"},
     "embree": {"path"},
     "fmt/": {"app", "candela", "image", "io", "path", "scene"},
@@ -35,10 +36,9 @@ THIRD_PARTY = {
     "jpeglib.h": {"image"},
     "nlohmann/": {"app", "io"},
     "png.h": {"image"},
-    "stb": {"image"},
     "tbb/": {"base", "path"},
-    "tiny_gltf.h": {"io"},
     "turbojpeg.h": {"image"},
+    "zlib.h": {"image"},
 }
 PUBLIC = ("glm/",)
 FREE = {"tests", "examples", "bench"}  # may use GoogleTest and whatever else they need

@@ -1,7 +1,11 @@
 #include "cli/output.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -19,14 +23,22 @@ bool has_extension(const fs::path& path, std::string_view extension) {
 
 bool is_linear_format(const fs::path& path) { return has_extension(path, ".exr") || has_extension(path, ".hdr"); }
 
+bool is_device(const fs::path& path) {
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
 void check_writable(const fs::path& path) {
   std::error_code code;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!fs::exists(folder, code)) throw Error("the folder " + folder.string() + " does not exist", path.string());
   if (!fs::is_directory(folder, code)) throw Error(folder.string() + " is not a folder", path.string());
-  const fs::file_status status = fs::status(path, code);
-  // Renaming over a device or a pipe would replace it by a file.
-  if (fs::exists(status) && !fs::is_regular_file(status)) throw Error("is not a regular file", path.string());
+  if (is_device(path)) {
+    if (access(path.c_str(), W_OK) != 0)
+      throw Error("cannot write: " + std::string(std::strerror(errno)), path.string());
+    return;  // opening a pipe would wait for its reader
+  }
   const AtomicFile probe(path);
 }
 

@@ -158,18 +158,20 @@ std::map<std::string, std::string> metadata(const RenderOptions& o, const Job& j
 class PartialWriter {
  public:
   PartialWriter(const RenderOptions& options, const Job& job, ProgressLine& progress)
-      : options_(options), job_(job), progress_(progress) {}
+      : options_(options), job_(job), progress_(progress) {
+    for (const fs::path output : options.outputs) disabled_ |= is_device(output);
+  }
 
   void operator()(const Film& film, double samples_per_pixel) {
     constexpr double kShareOfTime = 0.05;
-    if (failed_ || since_last_.seconds() < last_cost_s_ / kShareOfTime) return;
+    if (disabled_ || since_last_.seconds() < last_cost_s_ / kShareOfTime) return;
     const Stopwatch cost;
     try {
       Film copy = film;
       copy.metadata.merge(metadata(options_, job_, samples_per_pixel));
       write_outputs({options_.outputs.begin(), options_.outputs.end()}, copy, job_.develop);
     } catch (const Error& error) {
-      failed_ = true;  // the end may go better; say it once
+      disabled_ = true;  // the end may go better; say it once
       progress_.warn({error.message(), error.where()});
     }
     last_cost_s_ = cost.seconds();
@@ -182,7 +184,7 @@ class PartialWriter {
   ProgressLine& progress_;
   Stopwatch since_last_;
   double last_cost_s_ = 0.0;
-  bool failed_ = false;
+  bool disabled_ = false;
 };
 
 struct Times {

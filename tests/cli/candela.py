@@ -1,6 +1,6 @@
 """Runs the real program in a folder of its own. Needs the standard library alone.
 
-The environment variable CANDELA names the program; CANDELA_ASSETS a folder with models/ and environments/, which may
+The environment variable CANDELA names the program [build/dev/bin/candela]; CANDELA_ASSETS a folder with models/ and environments/, which may
 be absent: tests that want it skip then.
 """
 
@@ -15,7 +15,8 @@ import tempfile
 import unittest
 import zlib
 
-PROGRAM = os.environ.get("CANDELA", "build/dev/bin/candela")
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = os.environ.get("CANDELA", str(ROOT / "build/dev/bin/candela"))
 TINY = ("--size", "16x12", "--spp", "2", "--threads", "2")
 SKIPPED = 77  # what ctest takes for "skipped"
 

@@ -3,6 +3,7 @@
 
 import json
 import os
+import pathlib
 import pty
 import re
 import signal
@@ -319,9 +320,29 @@ class BadInput(CliTest):
                            says="absent.glb" if output == "folder.png" else says)  # fmt: skip
 
     def test_devices_are_not_replaced_by_files(self):
+        result = self.run_candela(*SPHERES, *TINY, "-o", "a.png", "--stats", "/dev/full", "--quiet")
+        self.assertEqual((result.code, result.err.count("\n")), (1, 1), result.err)
+        self.assertRegex(result.err, "/dev/full: cannot write")
+        self.assertTrue(pathlib.Path("/dev/full").is_char_device())
+
+    def test_picture_into_a_pipe(self):
         os.mkfifo(self.folder / "pipe.png")
-        self.fails(*SPHERES, *TINY, "-o", "pipe.png", says="not a regular file")
-        self.fails(*SPHERES, *TINY, "-o", "a.png", "--stats", "/dev/full", says="not a regular file")
+        process = self.start_candela(*SPHERES, *TINY, "-o", "pipe.png")
+        content = (self.folder / "pipe.png").read_bytes()
+        self.assertEqual(process.wait(60), 0)
+        (self.folder / "copy.png").write_bytes(content)
+        self.assertEqual(png_pixels(self.folder / "copy.png")[:2], (16, 12))
+        self.assertTrue((self.folder / "pipe.png").is_fifo())
+
+    def test_name_that_is_too_long(self):
+        self.fails(*SPHERES, *TINY, "-o", "a" * 300 + ".png", says="too long")
+
+    def test_link_stays_a_link(self):
+        (self.folder / "real.png").write_bytes(b"older")
+        (self.folder / "link.png").symlink_to("real.png")
+        self.succeeds(*SPHERES, *TINY, "-o", "link.png")
+        self.assertTrue((self.folder / "link.png").is_symlink())
+        png_pixels(self.folder / "real.png")
 
     def test_inputs_are_not_overwritten(self):
         self.succeeds(*SPHERES, "--size", "16x8", "--spp", "2", "-o", "env.exr", "--quiet")
