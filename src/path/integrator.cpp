@@ -73,12 +73,8 @@ float emission_weight(const PathContext& context, const Hit& hit, const SurfaceP
 
 Hit first_visible_hit(const PathContext& context, Ray& ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
   while (hit && is_culled_back(context.geometry, hit, ray.direction)) {
-    const Placement& placement = context.geometry.placement(hit.placement);
-    const TrianglePositions p = triangle_positions(placement, hit.triangle);
-    const vec3 position = p.p0 * (1.0f - hit.u - hit.v) + p.p1 * hit.u + p.p2 * hit.v;
-    vec3 normal = glm::normalize(glm::cross(p.p1 - p.p0, p.p2 - p.p0));
-    if (glm::dot(normal, ray.direction) < 0.0f) normal = -normal;
-    ray.origin = offset_from_surface(position, normal);
+    // The same ray meets a triangle at the same distance each time, so that this ends; moving its origin might not.
+    ray.t_min = std::max(hit.t * (1.0f + 0x1p-20f), 1e-30f);
     hit = context.geometry.intersect(ray, sampler.next_hash());
     ++counts.camera;
   }
