@@ -126,7 +126,8 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   json["bytes"] = file.file_bytes;
   json["generator"] = file.generator;
   json["copyright"] = file.copyright;
-  json["extensions"] = {{"used", file.extensions_used}, {"required", file.extensions_required}};
+  json["extensions"] = {
+      {"used", file.extensions_used}, {"required", file.extensions_required}, {"unsupported", file.extensions_ignored}};
   json["animations"] = file.animations;
   json["skins"] = file.skins;
   table.row("file size", bytes_text(file.file_bytes));

@@ -7,9 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "base/error.h"
-#include "base/file.h"
-#include "cli/exr_header.h"
 #include "cli/info.h"
 #include "cli/values.h"
 #include "image/image_file.h"
@@ -92,7 +89,7 @@ Report image_report(const fs::path& path) {
   const Image image = read_image(path);
   const Luminance light = measure(image);
   ExrHeader header;
-  if (format == ImageFormat::exr) header = read_exr_header(read_file(path), path.string());
+  if (format == ImageFormat::exr) header = read_exr_header(path);
 
   nlohmann::ordered_json json{{"file", path.string()},         {"kind", "image"},
                               {"format", format_name(format)}, {"width", image.width},

@@ -240,7 +240,7 @@ Image codec::decode_exr(std::span<const std::byte> bytes, const std::string& lay
   });
 }
 
-std::map<std::string, std::string> read_exr_metadata(const std::filesystem::path& path) {
+ExrHeader read_exr_header(const std::filesystem::path& path) {
   const std::string where = path.string();
   const std::vector<std::byte> bytes = read_file(path);
   if (sniff_image_format(bytes) != ImageFormat::exr) throw Error("not an OpenEXR file", where);
@@ -248,13 +248,15 @@ std::map<std::string, std::string> read_exr_metadata(const std::filesystem::path
   return converting_errors("damaged or unsupported OpenEXR: ", where, [&] {
     MemoryInput stream(bytes, where);
     const Imf::MultiPartInputFile file(stream, 0);
-    std::map<std::string, std::string> metadata;
+    ExrHeader result;
     const Imf::Header& header = file.header(0);
+    for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
+      result.channels.emplace_back(channel.name());
     for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
       if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute()))
-        metadata[attribute.name()] = text->value();
-    metadata.erase("type");  // the library adds it to files that have none
-    return metadata;
+        result.metadata[attribute.name()] = text->value();
+    result.metadata.erase("type");  // the library adds it to files that have none
+    return result;
   });
 }
 

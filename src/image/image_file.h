@@ -5,6 +5,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "image/image.h"
 
@@ -25,8 +26,13 @@ TextureImage decode_texture(std::span<const std::byte> bytes, const std::string&
 /// The result has 3 channels, or 4 where the file has alpha; PNG/JPEG alpha is premultiplied on the way in.
 Image read_image(const std::filesystem::path& path, const std::string& layer = {});
 
-/// Every string attribute of an OpenEXR file's first header, by name. Throws Error.
-std::map<std::string, std::string> read_exr_metadata(const std::filesystem::path& path);
+/// What the first header of an OpenEXR file says, without its pixels.
+struct ExrHeader {
+  std::vector<std::string> channels;            ///< full names, sorted, e.g. "R", "albedo.R"
+  std::map<std::string, std::string> metadata;  ///< every string attribute by name
+};
+/// Throws Error.
+ExrHeader read_exr_header(const std::filesystem::path& path);
 
 /// Radiance RGBE, run-length coded; negative values are clamped to 0. Alpha is dropped.
 void write_hdr(const std::filesystem::path& path, const Image& image);

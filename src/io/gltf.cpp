@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <map>
 #include <tuple>
 
@@ -55,6 +56,8 @@ FileInfo read_info(const JsonView& root, std::size_t file_bytes) {
   info.copyright = asset->string_or("copyright");
   info.extensions_used = read_names(root, "extensionsUsed");
   info.extensions_required = read_names(root, "extensionsRequired");
+  std::copy_if(info.extensions_used.begin(), info.extensions_used.end(), std::back_inserter(info.extensions_ignored),
+               [](const std::string& name) { return !is_known(name); });
   info.animations = static_cast<int>(count_of(root, "animations"));
   info.skins = static_cast<int>(count_of(root, "skins"));
   info.file_bytes = file_bytes;
@@ -67,9 +70,8 @@ void check_extensions(const JsonView& root, const FileInfo& info, Warnings& warn
       throw root.at("extensionsRequired").error(fmt::format("the file requires {}, which is not supported", name));
     }
   }
-  for (const std::string& name : info.extensions_used) {
-    if (!is_known(name))
-      warnings.warn(fmt::format("{} is not supported and will be ignored", name), root.at("extensionsUsed"));
+  for (const std::string& name : info.extensions_ignored) {
+    warnings.warn(fmt::format("{} is not supported and will be ignored", name), root.at("extensionsUsed"));
   }
   if (info.animations > 0) warnings.warn("animations are not supported yet: bind pose shown", root.at("animations"));
 }

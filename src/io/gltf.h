@@ -23,6 +23,7 @@ struct FileInfo {
   std::string copyright;
   std::vector<std::string> extensions_used;
   std::vector<std::string> extensions_required;
+  std::vector<std::string> extensions_ignored;  ///< used, but not supported
   int animations = 0;
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself

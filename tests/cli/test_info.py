@@ -53,6 +53,7 @@ class Info(CliTest):
         (self.folder / "a.gltf").write_text(json.dumps(scene))
         info = self.json_of("a.gltf")
         self.assertEqual(sorted(info["extensions"]["used"]), ["KHR_materials_ior", "VENDOR_unheard_of"])
+        self.assertEqual(info["extensions"]["unsupported"], ["VENDOR_unheard_of"])
         self.assertEqual(len(info["warnings"]), 1)
         self.assertIn("VENDOR_unheard_of", info["warnings"][0])
         self.assertEqual(info["animations"], 0)

@@ -67,7 +67,11 @@ TEST(unit_image_exr, metadata_survives_a_round_trip) {
   const TempFolder folder;
   const Film film = random_film(4, 4);
   write_exr(folder / "a.exr", film);
-  EXPECT_EQ(read_exr_metadata(folder / "a.exr"), film.metadata);
+  const ExrHeader header = read_exr_header(folder / "a.exr");
+  EXPECT_EQ(header.metadata, film.metadata);
+  for (const char* channel : {"R", "G", "B", "A", "albedo.R"}) {
+    EXPECT_EQ(std::count(header.channels.begin(), header.channels.end(), channel), 1) << channel;
+  }
 }
 
 TEST(unit_image_exr, the_header_says_rec709_float_zip_and_the_documented_channels) {

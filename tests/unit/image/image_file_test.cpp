@@ -59,7 +59,7 @@ TEST(unit_image_file, what_is_no_picture_is_an_error_that_names_it) {
     EXPECT_EQ(e.where(), (folder / "a.png").string());
   }
   EXPECT_THROW(read_image(folder / "missing.png"), Error);
-  EXPECT_THROW(read_exr_metadata(folder / "a.png"), Error);
+  EXPECT_THROW(read_exr_header(folder / "a.png"), Error);
 }
 
 TEST(unit_image_file, a_texture_is_png_or_jpeg) {

@@ -171,6 +171,7 @@ TEST(unit_io_gltf, file_info_repeats_what_the_file_says) {
   EXPECT_EQ(info.copyright, "nobody");
   EXPECT_EQ(info.version, "2.0");
   EXPECT_EQ(info.extensions_used, (std::vector<std::string>{"KHR_materials_ior", "KHR_xmp_json_ld"}));
+  EXPECT_TRUE(info.extensions_ignored.empty());
   EXPECT_EQ(info.extensions_required, (std::vector<std::string>{"KHR_materials_ior"}));
   EXPECT_EQ(info.animations, 2);
   EXPECT_EQ(info.skins, 0);
