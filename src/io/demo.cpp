@@ -162,7 +162,7 @@ Primitive face(vec3 a, vec3 b, vec3 c, vec3 d) {
 }  // namespace
 
 // Geometry: Cornell University Program of Computer Graphics, "The Cornell Box" (measured data, millimetres). Colours:
-// its reflectance spectra as linear Rec.709, after Mitsuba's scene.
+// its reflectance and lamp spectra as linear Rec.709, after Mitsuba's scene of that name.
 Scene make_cornell() {
   SceneBuilder builder("cornell");
   const auto paint = [&builder](const char* name, vec3 color) {
@@ -177,7 +177,7 @@ Scene make_cornell() {
   const int red = paint("red", vec3(0.63f, 0.065f, 0.05f));
   const int green = paint("green", vec3(0.14f, 0.45f, 0.091f));
   const int lamp = paint("light", vec3(0.0f));
-  builder.scene().materials[static_cast<std::size_t>(lamp)].emission = vec3(17.0f, 12.0f, 4.0f);
+  builder.scene().materials[static_cast<std::size_t>(lamp)].emission = vec3(18.387f, 13.987f, 6.754f);
 
   // The data looks along +z with x to the left; half a turn makes it look along -z.
   constexpr float kMillimetre = 0.001f;
@@ -198,7 +198,7 @@ Scene make_cornell() {
   // Focal length 35 mm on a 25 mm square.
   const vec3 eye = transform_point(room, vec3(278.0f, 273.0f, -800.0f));
   builder.camera(eye, eye - vec3(0.0f, 0.0f, 1.0f), degrees(2.0f * std::atan(12.5f / 35.0f)), 1.0f);
-  return builder.finish("none", 2.0f);
+  return builder.finish("none", 2.4f);
 }
 
 const std::vector<DemoInfo>& demos() {

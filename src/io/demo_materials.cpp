@@ -237,7 +237,7 @@ Scene make_materials() {
   // The studio's lamps stand around a camera at azimuth 35°.
   const int root = builder.node("still life", -1, rotation_y(35.0f));
 
-  Material table = dielectric("polished slate", srgb(0x2b343b), 0.12f);
+  Material table = dielectric("polished slate", srgb(0x2b343b), 0.06f);
   builder.node("backdrop",
                builder.mesh("backdrop", quad(vec3(-4.0f, 0.0f, 1.0f), vec3(8.0f, 0.0f, 0.0f), vec3(0.0f, 0.0f, -9.0f)),
                             builder.material(table)),

@@ -12,11 +12,13 @@ namespace candela {
 /// Error where it is no image, has a non-finite or negative pixel, or is not about twice as wide as high.
 ///
 /// The sky is a clear day over a plain of albedo 0.3; its unit is 10 000 cd/m²: around noon the sky is 0.3 to 0.8 and
-/// the sun, a SunDisc, gives 10 to 11 lux-like units. Seen from the default camera the sun stands to the front right.
-/// The studio makes a white matt sphere about 1 on its lit side; key lamp front left of the default camera.
+/// the sun, a SunDisc, gives 10 to 11 (times 10 000 lx) on a surface that faces it. Seen from the default camera the
+/// sun stands to the front right. The studio makes a white matt sphere about 1 on its lit side; key lamp front left of
+/// the default camera.
 Environment make_environment(const std::string& name_or_path);
 
-/// Radiance from direction `d` (unit, world space), suns included when `d` is inside their disc. The renderers' reference.
+/// Radiance from direction `d` (unit, world space), suns included when `d` is inside their disc. The renderers'
+/// reference.
 vec3 environment_radiance(const Environment& environment, vec3 d);
 
 }  // namespace candela

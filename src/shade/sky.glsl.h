@@ -36,8 +36,8 @@ SHADE_FN SkyMedium sky_medium(float altitude) {
   SkyMedium medium;
   medium.rayleigh = vec3(0.005802f, 0.013558f, 0.033100f) * air;
   medium.aerosol = kSkyAerosolScattering * haze;
-  medium.extinction = medium.rayleigh + vec3(medium.aerosol / kSkyAerosolAlbedo) +
-                      vec3(0.000650f, 0.001881f, 0.000085f) * ozone;
+  medium.extinction =
+      medium.rayleigh + vec3(medium.aerosol / kSkyAerosolAlbedo) + vec3(0.000650f, 0.001881f, 0.000085f) * ozone;
   return medium;
 }
 
@@ -68,7 +68,8 @@ SHADE_FN bool sky_hits_ground(float r, float mu) {
   return mu < 0.0f && r * r * (mu * mu - 1.0f) + kSkyGroundRadius * kSkyGroundRadius >= 0.0f;
 }
 
-/// Way from `r` to the ground, for rays that hit it. The constant term is factored so that low observers lose no digits.
+/// Way from `r` to the ground, for rays that hit it. The constant term is factored so that low observers lose no
+/// digits.
 SHADE_FN float sky_distance_to_ground(float r, float mu) {
   float c = (r - kSkyGroundRadius) * (r + kSkyGroundRadius);
   float square = r * r * mu * mu - c;
@@ -127,8 +128,8 @@ SHADE_FN float sky_sun_visibility(float r, float mu_sun) {
 /// Light scattered towards the viewer per kilometre and unit of solar illuminance: once, from a sun dimmed by
 /// `sun_transmittance`, and many times, taken as isotropic (Hillaire 2020 § 5.5, Ψ).
 SHADE_FN vec3 sky_in_scattering(SkyMedium medium, float cos_sun_angle, vec3 sun_transmittance, vec3 multiple) {
-  vec3 once = medium.rayleigh * sky_phase_rayleigh(cos_sun_angle) +
-              vec3(medium.aerosol * sky_phase_aerosol(cos_sun_angle));
+  vec3 once =
+      medium.rayleigh * sky_phase_rayleigh(cos_sun_angle) + vec3(medium.aerosol * sky_phase_aerosol(cos_sun_angle));
   return sun_transmittance * once + multiple * (medium.rayleigh + vec3(medium.aerosol));
 }
 
