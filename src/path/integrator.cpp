@@ -44,12 +44,11 @@ vec3 direct_light(const PathContext& context, const SurfacePoint& point, float u
   shadow.origin = point.ray_origin(light.direction);
   shadow.direction = light.direction;
   if (light.distance < kInfinity) {
-    // From the offset origin to the point itself, and not quite: the lamp's own surface must not shadow it.
-    const vec3 to_light = point.position + light.direction * light.distance - shadow.origin;
+    const vec3 to_light = light.target - shadow.origin;
     const float distance = glm::length(to_light);
     if (!(distance > 0.0f)) return vec3(0.0f);
     shadow.direction = to_light / distance;
-    shadow.t_max = distance * (1.0f - 1e-4f);
+    shadow.t_max = distance * (1.0f - 1e-6f);
   }
   ++counts.shadow;
   const float transmittance = context.geometry.transmittance(shadow);

@@ -28,8 +28,8 @@ struct PathSample {
   vec3 normal{0.0f};   ///< of the first surface
 };
 
-/// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees. The ray then
-/// begins (t_min) behind what was skipped.
+/// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees. The ray
+/// then begins (t_min) behind what was skipped.
 Hit first_visible_hit(const PathContext& context, Ray& ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
 
 /// Radiance that comes back along a camera ray whose first hit is known. Unbiased; see docs/theory/path-tracing.md.

@@ -169,6 +169,7 @@ LightSample Lights::sample_punctual(const PunctualLight& p, vec3 position) const
   s.distance = glm::length(to_light);
   if (!(s.distance > 0.0f)) return {};
   s.direction = to_light / s.distance;
+  s.target = p.position;
   s.radiance *= shade::light_falloff_gltf(s.distance, p.light.range);
   if (p.light.type == LightType::spot) {
     s.radiance *= shade::light_spot_gltf(-glm::dot(s.direction, p.direction), p.cos_inner, p.cos_outer);
@@ -181,16 +182,18 @@ LightSample Lights::sample_triangle(const TriangleLight& light, vec3 position, v
   const MeshData& mesh = *placement.mesh;
   const TrianglePositions p = triangle_positions(placement, light.triangle);
   const vec3 b = sample_barycentric(u);
-  const vec3 to_light = p.p0 * b.x + p.p1 * b.y + p.p2 * b.z - position;
+  const vec3 point = p.p0 * b.x + p.p1 * b.y + p.p2 * b.z;
+  const vec3 to_light = point - position;
   LightSample s;
   s.distance = glm::length(to_light);
   if (!(s.distance > 0.0f)) return {};
   s.direction = to_light / s.distance;
   vec3 normal = glm::cross(p.p1 - p.p0, p.p2 - p.p0) / (2.0f * light.area);
   if (placement.is_mirrored) normal = -normal;
-  float cos_light = -glm::dot(normal, s.direction);
-  if (mesh.material->factors.double_sided) cos_light = std::abs(cos_light);
+  if (mesh.material->factors.double_sided && glm::dot(normal, s.direction) > 0.0f) normal = -normal;
+  const float cos_light = -glm::dot(normal, s.direction);
   if (cos_light <= 0.0f) return {};
+  s.target = point + surface_clearance(placement, p, normal) * normal;
   const uvec3 t = mesh.triangles[light.triangle];
   // ----- the measure changes from area to solid angle
   s.radiance = emission_at(mesh, t, b) * mesh.opacity(t, b);

@@ -9,6 +9,7 @@ namespace candela::path {
 struct LightSample {
   vec3 direction{0, 1, 0};
   float distance = kInfinity;
+  vec3 target{0.0f};    ///< where a shadow ray ends when `distance` is finite: the lamp, or just before its surface
   vec3 radiance{0.0f};  ///< of a delta light: irradiance on a surface that faces it
   float pdf = 0.0f;  ///< per solid angle, with the chance of this light; of a delta light that chance alone; 0 = none
   bool is_delta = false;

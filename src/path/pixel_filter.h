@@ -22,8 +22,8 @@ class PixelFilterSampler {
   static constexpr int kSize = 256;
   PixelFilter filter_;
   float radius_;
-  /// Distance from the middle with the share w² of the filter's integral beyond it, for w in [0, 1]: even steps in w make
-  /// the thin tails as exact as the middle.
+  /// Distance from the middle with the share w² of the filter's integral beyond it, for w in [0, 1]: even steps in w
+  /// make the thin tails as exact as the middle.
   std::array<float, kSize + 1> inverse_{};
 };
 

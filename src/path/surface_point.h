@@ -11,6 +11,7 @@ struct SurfacePoint {
   vec3 position;
   vec3 lifted;  ///< where rays to the outside start, before the offset: off the facet, near the smooth surface it
                 ///< stands for
+  float clearance = 0.0f;  ///< see surface_clearance
   vec3 geometric_normal;
   Frame frame;  ///< around the shading normal
   vec3 wo;      ///< local, wo.z > 0
@@ -34,8 +35,10 @@ bool is_culled_back(const Geometry& geometry, const Hit& hit, vec3 direction);
 /// Emission of a material at a point of a triangle, before any question of sides. cd/m².
 vec3 emission_at(const MeshData& mesh, const uvec3& triangle, vec3 barycentric);
 
-/// `p` moved off a surface along unit `n` by a few hundred times the rounding error of its coordinates.
-/// Wächter & Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems, ch. 6.
-vec3 offset_from_surface(vec3 p, vec3 n);
+/// How far along its unit normal `n` a ray must start from a triangle so that no rounding puts it on the other side: a
+/// bound of the error of a point computed from the corners, and of Embree's own. Pharr, Jakob & Humphreys 2016,
+/// "Physically Based Rendering", 3rd ed., §3.9.5, with one factor for all operations. Grows with the coordinates of the
+/// corners, not of the point: large triangles near the origin are the ones that go wrong.
+float surface_clearance(const Placement& placement, const TrianglePositions& p, vec3 n);
 
 }  // namespace candela::path
