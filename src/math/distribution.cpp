@@ -102,6 +102,12 @@ Distribution2D::Sample Distribution2D::sample(vec2 u) const {
   return s;
 }
 
+void Distribution2D::prefetch(vec2 u) const {
+  const auto y = static_cast<std::size_t>(marginal_.sample(u.y).index);
+  const std::size_t k = std::min(static_cast<std::size_t>(u.x * static_cast<float>(guide_size_)), guide_size_ - 1);
+  __builtin_prefetch(row_cdf(y) + guide_[y * (guide_size_ + 1) + k]);
+}
+
 float Distribution2D::pdf(ivec2 cell) const {
   const float* cdf = row_cdf(static_cast<std::size_t>(cell.y));
   const float pmf = cdf[cell.x + 1] - cdf[cell.x];

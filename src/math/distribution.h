@@ -53,6 +53,8 @@ class Distribution2D {
   double total() const { return marginal_.total(); }  ///< sum of the weights
   Sample sample(vec2 u) const;
   float pdf(ivec2 cell) const;
+  /// Starts the memory access that sample(u) will wait for.
+  void prefetch(vec2 u) const;
 
  private:
   static constexpr std::size_t kGuideCells = 16;  ///< cells per guide entry

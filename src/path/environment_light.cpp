@@ -119,45 +119,49 @@ void EnvironmentLight::build_distribution() {
   }
 }
 
-inline vec2 EnvironmentLight::uv_from_direction(vec3 world) const {
+inline EnvironmentLight::Footprint EnvironmentLight::locate_uv(vec2 uv) const {
+  const float u = uv.x * static_cast<float>(width_);
+  const float v = uv.y * static_cast<float>(height_);
+  const float fx = std::floor(u - 0.5f);
+  const float fy = std::floor(v - 0.5f);
+  const int x0 = static_cast<int>(fx);
+  const int y0 = static_cast<int>(fy);
+  const auto w = static_cast<std::uint32_t>(width_);
+  const auto left = static_cast<std::uint32_t>(x0 < 0 ? x0 + width_ : x0);
+  const auto right = static_cast<std::uint32_t>(x0 + 1 >= width_ ? x0 + 1 - width_ : x0 + 1);
+  const std::uint32_t top = w * static_cast<std::uint32_t>(std::max(y0, 0));
+  const std::uint32_t bottom = w * static_cast<std::uint32_t>(std::min(y0 + 1, height_ - 1));
+  Footprint f;
+  f.offsets[0] = top + left;
+  f.offsets[1] = top + right;
+  f.offsets[2] = bottom + left;
+  f.offsets[3] = bottom + right;
+  f.tx = u - 0.5f - fx;
+  f.ty = v - 0.5f - fy;
+  f.cell = w * static_cast<std::uint32_t>(std::min(static_cast<int>(v), height_ - 1)) +
+           static_cast<std::uint32_t>(std::min(static_cast<int>(u), width_ - 1));
+  __builtin_prefetch(texels_.data() + f.offsets[0]);
+  __builtin_prefetch(texels_.data() + f.offsets[2]);
+  return f;
+}
+
+EnvironmentLight::Footprint EnvironmentLight::locate(vec3 world) const {
+  if (texels_.empty()) return {};
   const float x = world.x * cos_rotation_ - world.z * sin_rotation_;
   const float z = world.x * sin_rotation_ + world.z * cos_rotation_;
-  return {0.5f + fast_atan2(z, x) * (0.5f / kPi), fast_atan2(std::sqrt(x * x + z * z), world.y) * (1.0f / kPi)};
+  const float sin_theta = std::sqrt(x * x + z * z);
+  Footprint f = locate_uv({0.5f + fast_atan2(z, x) * (0.5f / kPi), fast_atan2(sin_theta, world.y) * (1.0f / kPi)});
+  f.sin_theta = std::max(sin_theta, 1e-6f);
+  return f;
 }
 
-inline vec3 EnvironmentLight::radiance_at(vec2 uv) const {
-  const float x = uv.x * static_cast<float>(width_) - 0.5f;
-  const float y = uv.y * static_cast<float>(height_) - 0.5f;
-  const float fx = std::floor(x);
-  const float fy = std::floor(y);
-  const float tx = x - fx;
-  const float ty = y - fy;
-  int x0 = static_cast<int>(fx);
-  int x1 = x0 + 1;
-  if (x0 < 0) x0 += width_;
-  if (x1 >= width_) x1 -= width_;
-  const int y0 = std::max(static_cast<int>(fy), 0);
-  const int y1 = std::min(static_cast<int>(fy) + 1, height_ - 1);
-  const auto at = [&](int i, int j) {
-    return vec3(texels_[static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(i)]);
-  };
-  return (at(x0, y0) * (1.0f - tx) + at(x1, y0) * tx) * (1.0f - ty) + (at(x0, y1) * (1.0f - tx) + at(x1, y1) * tx) * ty;
-}
-
-EnvironmentLight::Value EnvironmentLight::evaluate(vec3 direction) const {
+EnvironmentLight::Value EnvironmentLight::read(const Footprint& f) const {
   if (texels_.empty()) return {constant_, 0.0f};
-  const vec2 uv = uv_from_direction(direction);
+  const auto at = [&](int i) { return vec3(texels_[f.offsets[i]]); };
   Value value;
-  value.radiance = radiance_at(uv);
-  if (can_sample_) {
-    const int x = std::min(static_cast<int>(uv.x * static_cast<float>(width_)), width_ - 1);
-    const int y = std::min(static_cast<int>(uv.y * static_cast<float>(height_)), height_ - 1);
-    const float density =
-        texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)].w;
-    // Not from 1 - y², which has few digits left beside the poles.
-    const float sin_theta = std::max(std::sqrt(direction.x * direction.x + direction.z * direction.z), 1e-6f);
-    value.pdf = density / (2.0f * kPi * kPi * sin_theta);
-  }
+  value.radiance =
+      (at(0) * (1.0f - f.tx) + at(1) * f.tx) * (1.0f - f.ty) + (at(2) * (1.0f - f.tx) + at(3) * f.tx) * f.ty;
+  value.pdf = texels_[f.cell].w / (2.0f * kPi * kPi * f.sin_theta);
   return value;
 }
 
@@ -171,8 +175,9 @@ EnvironmentLight::Sample EnvironmentLight::sample(vec2 u) const {
   Sample sample;
   sample.direction = glm::normalize(
       vec3(x * cos_rotation_ + z * sin_rotation_, std::cos(theta), -x * sin_rotation_ + z * cos_rotation_));
-  sample.value.radiance = radiance_at(s.uv);
-  sample.value.pdf = s.pdf / (2.0f * kPi * kPi * sin_theta);
+  sample.footprint = locate_uv(s.uv);
+  sample.footprint.sin_theta = sin_theta;
+  sample.pdf = s.pdf / (2.0f * kPi * kPi * sin_theta);
   return sample;
 }
 

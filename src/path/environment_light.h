@@ -20,15 +20,28 @@ class EnvironmentLight {
     vec3 radiance{0.0f};
     float pdf = 0.0f;  ///< of sample(), per solid angle
   };
-  /// `direction` is unit, world space. Without the suns.
-  Value evaluate(vec3 direction) const;
+  /// The texels that a direction reads. Finding them starts the memory access: do something else before read().
+  struct Footprint {
+    std::uint32_t offsets[4] = {};
+    float tx = 0.0f, ty = 0.0f;
+    std::uint32_t cell = 0;
+    float sin_theta = 1.0f;
+  };
+  /// `direction` is unit, world space.
+  Footprint locate(vec3 direction) const;
+  /// Without the suns.
+  Value read(const Footprint& footprint) const;
+  Value evaluate(vec3 direction) const { return read(locate(direction)); }
 
   struct Sample {
     vec3 direction{0, 1, 0};
-    Value value;
+    float pdf = 0.0f;
+    Footprint footprint;  ///< of the direction: read() gives the radiance, and the same density
   };
   /// Only when can_sample().
   Sample sample(vec2 u) const;
+  /// Starts the memory access that sample(u) will wait for.
+  void prefetch_sample(vec2 u) const { distribution_.prefetch(u); }
 
   bool can_sample() const { return can_sample_; }
   /// ∫ L dω of the map, luminance; for choosing between lights.
@@ -43,8 +56,7 @@ class EnvironmentLight {
   const std::vector<Sun>& suns() const { return suns_; }
 
  private:
-  vec2 uv_from_direction(vec3 world) const;
-  vec3 radiance_at(vec2 uv) const;
+  Footprint locate_uv(vec2 uv) const;
   void build_distribution();
 
   int width_ = 0;

@@ -13,7 +13,7 @@ PathSample background_sample(const PathContext& context, vec3 direction) {
   sample.albedo = vec3(1.0f);
   switch (context.background.kind) {
     case Background::Kind::environment:
-      sample.radiance = context.lights.escaped_radiance(direction, 0.0f);
+      sample.radiance = context.lights.escaped_radiance(direction);
       break;
     case Background::Kind::color:
       sample.radiance = context.background.color;
@@ -37,8 +37,7 @@ vec3 direct_light(const PathContext& context, const SurfacePoint& point, float u
   const LightSample light = context.lights.sample(point.position, u_choice, u);
   if (light.pdf <= 0.0f || !point.is_outside(light.direction)) return vec3(0.0f);
   const shade::SurfaceEval f = shade::surface_eval(point.surface, point.wo, point.frame.to_local(light.direction));
-  const vec3 response = f.value * light.radiance;
-  if (max_component(response) <= 0.0f) return vec3(0.0f);
+  if (max_component(f.value) <= 0.0f) return vec3(0.0f);
 
   Ray shadow;
   shadow.origin = point.ray_origin(light.direction);
@@ -53,7 +52,7 @@ vec3 direct_light(const PathContext& context, const SurfacePoint& point, float u
   ++counts.shadow;
   const float transmittance = context.geometry.transmittance(shadow);
   const float weight = light.is_delta ? 1.0f : mis_weight(light.pdf, f.pdf, light.mis_power);
-  return response * (transmittance * weight / light.pdf);
+  return f.value * context.lights.radiance(light) * (transmittance * weight / light.pdf);
 }
 
 /// Weight of emission met by chance against having chosen that triangle as the lamp. `bsdf_pdf` ≤ 0: nothing else
@@ -86,13 +85,20 @@ PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler
 
   PathSample sample;
   vec3 throughput(1.0f);
-  float bsdf_pdf = 0.0f;  // of the direction that led here; 0 after the camera and after mirrors
+  float bsdf_pdf = 0.0f;            // of the direction that led here; 0 after the camera and after mirrors
+  EnvironmentLight::Footprint sky;  // what the current ray would see of the map
   for (int depth = 0;; ++depth) {
     // ----- the ray left the scene
     if (!hit) {
-      sample.radiance += throughput * context.lights.escaped_radiance(ray.direction, bsdf_pdf);
+      sample.radiance += throughput * context.lights.escaped_radiance(ray.direction, sky, bsdf_pdf);
       break;
     }
+
+    // ----- the numbers of this vertex, drawn early so that the light's tables arrive while the textures are read
+    const vec2 choices = sampler.next_2d();
+    const vec2 u_light = sampler.next_2d();
+    const vec2 u_direction = sampler.next_2d();
+    context.lights.prefetch(u_light);
 
     // ----- x_depth: emitted light
     const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction);
@@ -104,14 +110,11 @@ PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler
     if (point.is_unlit || depth == context.bounces) break;
 
     // ----- next-event estimation: reflected light that comes straight from a lamp
-    const vec2 choices = sampler.next_2d();
-    const vec2 u_light = sampler.next_2d();
     if (context.lights.can_sample() && !shade::surface_is_delta(point.surface)) {
       sample.radiance += throughput * direct_light(context, point, choices.x, u_light, counts);
     }
 
     // ----- the next direction, by the material
-    const vec2 u_direction = sampler.next_2d();
     const shade::SurfaceSample next =
         shade::surface_sample(point.surface, point.wo, {u_direction.x, u_direction.y, choices.y});
     const vec3 direction = point.frame.to_world(next.wi);
@@ -130,6 +133,7 @@ PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler
     ray.origin = point.ray_origin(direction);
     ray.direction = direction;
     ++counts.bounce;
+    sky = context.lights.environment().locate(direction);
     hit = context.geometry.intersect(ray, sampler.next_hash());
   }
   return sample;
@@ -160,7 +164,7 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
     ++counts.bounce;
     hit = context.geometry.intersect(ray, sampler.next_hash());
   }
-  sample.radiance += throughput * context.lights.escaped_radiance(ray.direction, 0.0f);
+  sample.radiance += throughput * context.lights.escaped_radiance(ray.direction);
   return sample;
 }
 

@@ -136,8 +136,9 @@ LightSample Lights::sample_environment(vec2 u) const {
   const EnvironmentLight::Sample e = environment_.sample(u);
   LightSample s;
   s.direction = e.direction;
-  s.radiance = e.value.radiance;
-  s.pdf = e.value.pdf;
+  s.pdf = e.pdf;
+  s.is_map = true;
+  s.footprint = e.footprint;
   s.mis_power = kEnvironmentMisPower;
   return s;
 }
@@ -202,8 +203,8 @@ LightSample Lights::sample_triangle(const TriangleLight& light, vec3 position, v
   return s;
 }
 
-vec3 Lights::escaped_radiance(vec3 direction, float bsdf_pdf) const {
-  const EnvironmentLight::Value value = environment_.evaluate(direction);
+vec3 Lights::escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint, float bsdf_pdf) const {
+  const EnvironmentLight::Value value = environment_.read(footprint);
   const bool weighted = bsdf_pdf > 0.0f && can_sample();
   vec3 radiance = value.radiance;
   if (weighted) radiance *= mis_weight(bsdf_pdf, value.pdf * choice_.pmf(0), kEnvironmentMisPower);

@@ -10,10 +10,12 @@ struct LightSample {
   vec3 direction{0, 1, 0};
   float distance = kInfinity;
   vec3 target{0.0f};    ///< where a shadow ray ends when `distance` is finite: the lamp, or just before its surface
-  vec3 radiance{0.0f};  ///< of a delta light: irradiance on a surface that faces it
+  vec3 radiance{0.0f};  ///< of a delta light: irradiance on a surface that faces it; of the map: see Lights::radiance
   float pdf = 0.0f;  ///< per solid angle, with the chance of this light; of a delta light that chance alone; 0 = none
   bool is_delta = false;
   float mis_power = 1.0f;  ///< exponent of the heuristic for this kind of light
+  bool is_map = false;     ///< `footprint` holds where its radiance stands
+  EnvironmentLight::Footprint footprint;
 };
 
 /// Weight of a technique with density `a` against one with density `b`; power 1 (balance) or 2 (Veach 1997, §9.2).
@@ -36,10 +38,22 @@ class Lights {
 
   bool can_sample() const { return !choice_.empty(); }
   LightSample sample(vec3 position, float u_choice, vec2 u) const;
+  /// Starts the memory access that sample(…, u) is likely to wait for.
+  void prefetch(vec2 u) const {
+    if (environment_.can_sample()) environment_.prefetch_sample(u);
+  }
+  /// Radiance of a sample. The map's is read here, after the shadow ray, and has had that long to arrive.
+  vec3 radiance(const LightSample& sample) const {
+    return sample.is_map ? environment_.read(sample.footprint).radiance : sample.radiance;
+  }
 
   /// What a ray sees that hits nothing, each part weighted against sampling it by sample(): `bsdf_pdf` is the density
   /// that the direction was sampled with; ≤ 0 means that no other technique could (camera rays, mirrors): full weight.
-  vec3 escaped_radiance(vec3 direction, float bsdf_pdf) const;
+  /// `footprint` is environment().locate(direction).
+  vec3 escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint, float bsdf_pdf) const;
+  vec3 escaped_radiance(vec3 direction) const {
+    return escaped_radiance(direction, environment_.locate(direction), 0.0f);
+  }
 
   /// Density of sample() for the point of an emissive triangle at `distance` seen under `cos_light`; 0 when never
   /// sampled.

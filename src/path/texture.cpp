@@ -53,7 +53,8 @@ inline vec4 TextureReader::texel(std::uint32_t offset) const {
   return v;
 }
 
-/// Into [0, 1]; mirrored repeat is a triangle wave. Infinite coordinates and NaN become 0: max(0, NaN) is 0 in this order.
+/// Into [0, 1]; mirrored repeat is a triangle wave. Infinite coordinates and NaN become 0: max(0, NaN) is 0 in this
+/// order.
 inline float TextureReader::wrap_unit(float t, Wrap wrap) {
   switch (wrap) {
     case Wrap::repeat:
