@@ -63,7 +63,7 @@ void ProgressLine::update(const path::Progress& progress) {
   const int width = std::min(kWidest, terminal_columns() - static_cast<int>(text.size()) - 4);
   if (width < 4) return show(text);
   const auto full = static_cast<std::size_t>(std::lround(std::clamp(progress.fraction, 0.0, 1.0) * width));
-  show("[" + std::string(full, '#') + std::string(static_cast<std::size_t>(width) - full, '.') + "] " + text);
+  show(fmt::format("[{:#<{}}{:.<{}}] {}", "", full, "", static_cast<std::size_t>(width) - full, text));
 }
 
 void ProgressLine::line(const std::string& text) {
@@ -87,7 +87,8 @@ void ProgressLine::clear() {
 
 std::string duration_text(double seconds) {
   if (seconds < 0.9995) return fmt::format("{:.0f} ms", seconds * 1e3);
-  if (seconds < 99.95) return fmt::format("{:.1f} s", seconds);
+  if (seconds < 9.95) return fmt::format("{:.1f} s", seconds);
+  if (seconds < 99.5) return fmt::format("{:.0f} s", seconds);
   const auto whole = static_cast<long long>(std::llround(std::min(seconds, 1e9)));
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);

@@ -31,7 +31,7 @@ class ProgressLine {
   double next_line_s_ = 0.0;
 };
 
-/// "850 ms", "12.3 s", "4 min 05 s", "2 h 03 min".
+/// "850 ms", "2.3 s", "42 s", "4 min 05 s", "2 h 03 min".
 std::string duration_text(double seconds);
 
 }  // namespace candela::cli
