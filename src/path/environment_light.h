@@ -52,6 +52,11 @@ class EnvironmentLight {
     float sin2_radius = 0.0f;  ///< sin² of the angular radius: its cosine has too few digits in single precision
     float solid_angle = 0.0f;
     vec3 radiance{0.0f};
+
+    bool contains(vec3 direction) const {
+      const vec3 local = frame.to_local(direction);
+      return local.z > 0.0f && local.x * local.x + local.y * local.y <= sin2_radius;
+    }
   };
   const std::vector<Sun>& suns() const { return suns_; }
 

@@ -33,8 +33,9 @@ void record_first_surface(const SurfacePoint& point, PathSample& sample) {
 }
 
 /// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance.
-vec3 direct_light(const PathContext& context, const SurfacePoint& point, float u_choice, vec2 u, RayCounts& counts) {
-  const LightSample light = context.lights.sample(point.position, u_choice, u);
+vec3 direct_light(const PathContext& context, const SurfacePoint& point, const LightChances& chances, float u_choice,
+                  vec2 u, RayCounts& counts) {
+  const LightSample light = context.lights.sample(point.position, chances, u_choice, u);
   if (light.pdf <= 0.0f || !point.is_outside(light.direction)) return vec3(0.0f);
   const shade::SurfaceEval f = shade::surface_eval(point.surface, point.wo, point.frame.to_local(light.direction));
   if (max_component(f.value) <= 0.0f) return vec3(0.0f);
@@ -58,12 +59,12 @@ vec3 direct_light(const PathContext& context, const SurfacePoint& point, float u
 /// Weight of emission met by chance against having chosen that triangle as the lamp. `bsdf_pdf` ≤ 0: nothing else
 /// could.
 float emission_weight(const PathContext& context, const Hit& hit, const SurfacePoint& point, const Ray& ray,
-                      float bsdf_pdf) {
+                      float bsdf_pdf, const LightChances& chances) {
   const int first = context.geometry.placement(hit.placement).first_light;
   if (bsdf_pdf <= 0.0f || first < 0) return 1.0f;
   const float cos_light = -glm::dot(ray.direction, point.geometric_normal);
   const float distance = glm::length(point.position - ray.origin);
-  const float pdf = context.lights.triangle_pdf(first + static_cast<int>(hit.triangle), distance, cos_light);
+  const float pdf = context.lights.triangle_pdf(first + static_cast<int>(hit.triangle), chances, distance, cos_light);
   return mis_weight(bsdf_pdf, pdf, kAreaMisPower);
 }
 
@@ -86,11 +87,14 @@ PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler
   PathSample sample;
   vec3 throughput(1.0f);
   float bsdf_pdf = 0.0f;            // of the direction that led here; 0 after the camera and after mirrors
+  LightChances chances;             // of the lights at the vertex before
   EnvironmentLight::Footprint sky;  // what the current ray would see of the map
   for (int depth = 0;; ++depth) {
     // ----- the ray left the scene
     if (!hit) {
-      sample.radiance += throughput * context.lights.escaped_radiance(ray.direction, sky, bsdf_pdf);
+      sample.radiance += throughput * (bsdf_pdf > 0.0f && context.lights.can_sample()
+                                           ? context.lights.escaped_radiance(ray.direction, sky, bsdf_pdf, chances)
+                                           : context.lights.escaped_radiance(ray.direction, sky));
       break;
     }
 
@@ -104,14 +108,15 @@ PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler
     const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction);
     if (depth == 0) record_first_surface(point, sample);
     if (max_component(point.emission) > 0.0f) {
-      const float weight = point.is_unlit ? 1.0f : emission_weight(context, hit, point, ray, bsdf_pdf);
+      const float weight = point.is_unlit ? 1.0f : emission_weight(context, hit, point, ray, bsdf_pdf, chances);
       sample.radiance += throughput * point.emission * weight;
     }
     if (point.is_unlit || depth == context.bounces) break;
 
     // ----- next-event estimation: reflected light that comes straight from a lamp
     if (context.lights.can_sample() && !shade::surface_is_delta(point.surface)) {
-      sample.radiance += throughput * direct_light(context, point, choices.x, u_light, counts);
+      context.lights.find_chances(point.position, chances);
+      sample.radiance += throughput * direct_light(context, point, chances, choices.x, u_light, counts);
     }
 
     // ----- the next direction, by the material

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "math/sobol.h"
 #include "path/surface_point.h"
@@ -11,6 +12,9 @@
 namespace candela::path {
 
 namespace {
+
+/// Keeps sums of absurdly bright lamps finite.
+constexpr float kMostPower = 1e30f;
 
 /// Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
 vec3 sample_barycentric(vec2 u) {
@@ -49,21 +53,12 @@ float mean_emission(const MeshData& mesh, std::uint32_t triangle) {
 
 Lights::Lights(const Scene& scene, const Environment& environment, Geometry& geometry)
     : geometry_(geometry), environment_(environment) {
-  const Box3& bounds = geometry.bounds();
-  const float radius = bounds.empty() ? 1.0f : std::max(0.5f * glm::length(bounds.size()), 1e-6f);
-  const float disc = kPi * radius * radius;
-
-  std::vector<float> powers;
-  powers.push_back(environment_.can_sample() ? disc * environment_.flux() : 0.0f);
-  for (const auto& sun : environment_.suns()) powers.push_back(disc * luminance(sun.radiance) * sun.solid_angle);
-  add_punctual(scene, radius, powers);
-  add_triangles(geometry, powers);
-  double total = 0.0;
-  for (const float p : powers) total += static_cast<double>(p);
-  if (total > 0.0 && std::isfinite(total)) choice_ = Distribution1D(powers);
+  add_punctual(scene);
+  add_triangles(geometry);
+  make_sources();
 }
 
-void Lights::add_punctual(const Scene& scene, float scene_radius, std::vector<float>& powers) {
+void Lights::add_punctual(const Scene& scene) {
   for (const Node& node : scene.nodes) {
     if (node.light < 0) continue;
     PunctualLight p;
@@ -75,60 +70,164 @@ void Lights::add_punctual(const Scene& scene, float scene_radius, std::vector<fl
     p.cos_inner = std::cos(p.light.inner_cone);
     p.cos_outer = std::cos(p.light.outer_cone);
     const float intensity = luminance(p.light.color) * p.light.intensity;
-    switch (p.light.type) {
-      case LightType::point:
-        powers.push_back(4.0f * kPi * intensity);
-        break;
-      case LightType::spot:
-        powers.push_back(2.0f * kPi * (1.0f - p.cos_outer) * intensity);
-        break;
-      case LightType::directional:
-        powers.push_back(kPi * scene_radius * scene_radius * intensity);
-        break;
-    }
+    const float solid_angle = p.light.type == LightType::spot ? 2.0f * kPi * (1.0f - p.cos_outer) : 4.0f * kPi;
+    p.power = std::min(p.light.type == LightType::directional ? intensity : solid_angle * intensity, kMostPower);
     punctual_.push_back(p);
   }
 }
 
-void Lights::add_triangles(Geometry& geometry, std::vector<float>& powers) {
+void Lights::add_triangles(Geometry& geometry) {
   auto& placements = geometry.placements();
   for (std::size_t i = 0; i < placements.size(); ++i) {
     Placement& placement = placements[i];
     if (!placement.mesh->material->is_emissive) continue;
     placement.first_light = static_cast<int>(triangles_.size());
-    const std::size_t first_power = powers.size();
+    const std::size_t first = triangles_.size();
     const std::size_t count = placement.mesh->triangles.size();
-    triangles_.resize(triangles_.size() + count);
-    powers.resize(powers.size() + count);
+    triangles_.resize(first + count);
+    triangle_powers_.resize(first + count);
     const float sides = placement.mesh->material->factors.double_sided ? 2.0f : 1.0f;
     parallel_for(0, count, 1024, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const auto triangle = static_cast<std::uint32_t>(k);
         const TrianglePositions p = triangle_positions(placement, triangle);
-        TriangleLight& light = triangles_[static_cast<std::size_t>(placement.first_light) + k];
+        TriangleLight& light = triangles_[first + k];
         light.placement = static_cast<std::int32_t>(i);
         light.triangle = triangle;
         light.area = 0.5f * glm::length(glm::cross(p.p1 - p.p0, p.p2 - p.p0));
-        powers[first_power + k] = kPi * sides * light.area * mean_emission(*placement.mesh, triangle);
+        triangle_powers_[first + k] =
+            std::min(kPi * sides * light.area * mean_emission(*placement.mesh, triangle), kMostPower);
       }
     });
   }
 }
 
-LightSample Lights::sample(vec3 position, float u_choice, vec2 u) const {
-  const Distribution1D::Sample choice = choice_.sample(u_choice);
-  auto index = static_cast<std::size_t>(choice.index);
-  LightSample s;
-  if (index == 0) {
-    s = sample_environment(u);
-  } else if (--index < environment_.suns().size()) {
-    s = sample_sun(environment_.suns()[index], u);
-  } else if ((index -= environment_.suns().size()) < punctual_.size()) {
-    s = sample_punctual(punctual_[index], position);
-  } else {
-    s = sample_triangle(triangles_[index - punctual_.size()], position, u);
+/// `first` and `count` in the order: punctual lights, triangles.
+Lights::Source Lights::make_source(std::size_t first, std::size_t count) const {
+  Source source;
+  source.first = first;
+  std::vector<float> powers(count);
+  Box3 box;
+  double power = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t light = first + i;
+    if (light < punctual_.size()) {
+      powers[i] = punctual_[light].power;
+      box.extend(punctual_[light].position);
+    } else {
+      const std::size_t triangle = light - punctual_.size();
+      powers[i] = triangle_powers_[triangle];
+      if (powers[i] > 0.0f) {
+        const TriangleLight& t = triangles_[triangle];
+        const TrianglePositions p = triangle_positions(geometry_.placement(t.placement), t.triangle);
+        box.extend(p.p0), box.extend(p.p1), box.extend(p.p2);
+      }
+    }
+    power += static_cast<double>(powers[i]);
   }
-  s.pdf *= choice.pmf;
+  if (!(power > 0.0) || !std::isfinite(power)) return source;
+  source.choice = Distribution1D(powers);
+  source.strength = static_cast<float>(power / (4.0 * static_cast<double>(kPi)));
+  source.center = box.center();
+  // Inside the source its light comes from all around: nearer than half its size does not count as nearer.
+  source.least_distance2 = std::max(0.0625f * glm::dot(box.size(), box.size()), 1e-12f);
+  return source;
+}
+
+void Lights::make_sources() {
+  if (environment_.can_sample()) {
+    // Mean over all orientations of a surface: a quarter of the flux through the point.
+    sources_.push_back({.kind = SourceKind::map, .strength = 0.25f * environment_.flux()});
+  }
+  for (std::size_t i = 0; i < environment_.suns().size(); ++i) {
+    const auto& sun = environment_.suns()[i];
+    sources_.push_back({.kind = SourceKind::sun, .first = i, .strength = luminance(sun.radiance) * sun.solid_angle});
+  }
+  if (sources_.size() >= LightChances::kMost) throw Error("an environment may have at most 30 suns");
+
+  // ----- what stands in the scene: one by one where they are few, else all in one source by power
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < punctual_.size(); ++i) starts.push_back(i);
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    if (i == 0 || triangles_[i].placement != triangles_[i - 1].placement) starts.push_back(punctual_.size() + i);
+  }
+  if (starts.empty()) return;
+  const bool are_few = sources_.size() + starts.size() <= LightChances::kMost;
+  if (!are_few) starts.assign(1, 0);
+  starts.push_back(punctual_.size() + triangles_.size());
+  for (std::size_t k = 0; k + 1 < starts.size(); ++k) {
+    Source source = make_source(starts[k], starts[k + 1] - starts[k]);
+    if (source.strength <= 0.0f) continue;
+    if (are_few && starts[k] < punctual_.size()) source.kind = SourceKind::punctual;
+    for (std::size_t i = std::max(starts[k], punctual_.size()); i < starts[k + 1]; ++i) {
+      triangles_[i - punctual_.size()].source = static_cast<std::uint32_t>(sources_.size());
+    }
+    sources_.push_back(std::move(source));
+  }
+}
+
+/// Estimate that steers the choice alone. It is 0 only where the source really gives nothing.
+float Lights::irradiance(const Source& source, vec3 position) const {
+  switch (source.kind) {
+    case SourceKind::map:
+    case SourceKind::sun:
+      return source.strength;
+    case SourceKind::punctual: {
+      const LightSample s = sample_punctual(punctual_[source.first], position);
+      return luminance(s.radiance);
+    }
+    case SourceKind::many: {
+      const vec3 d = source.center - position;
+      return source.strength / std::max(glm::dot(d, d), source.least_distance2);
+    }
+  }
+  return 0.0f;
+}
+
+void Lights::find_chances(vec3 position, LightChances& chances) const {
+  if (sources_.size() == 1) {
+    chances.pmf[0] = 1.0f;
+    return;
+  }
+  float sum = 0.0f;
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    chances.pmf[i] = irradiance(sources_[i], position);
+    sum += chances.pmf[i];
+  }
+  const float scale = sum > 0.0f ? 1.0f / sum : 0.0f;
+  for (std::size_t i = 0; i < sources_.size(); ++i) chances.pmf[i] *= scale;
+}
+
+LightSample Lights::sample(vec3 position, const LightChances& chances, float u_choice, vec2 u) const {
+  // ----- a source; what is left of u_choice chooses inside it
+  std::size_t index = 0;
+  while (index + 1 < sources_.size() && u_choice >= chances.pmf[index]) u_choice -= chances.pmf[index++];
+  const float chance = chances.pmf[index];
+  if (chance <= 0.0f) return {};
+  const Source& source = sources_[index];
+  const float u_inside = std::min(u_choice / chance, 0x1.fffffep-1f);
+
+  LightSample s;
+  switch (source.kind) {
+    case SourceKind::map:
+      s = sample_environment(u);
+      break;
+    case SourceKind::sun:
+      s = sample_sun(environment_.suns()[source.first], u);
+      break;
+    case SourceKind::punctual:
+      s = sample_punctual(punctual_[source.first], position);
+      break;
+    case SourceKind::many: {
+      const Distribution1D::Sample choice = source.choice.sample(u_inside);
+      const std::size_t light = source.first + static_cast<std::size_t>(choice.index);
+      s = light < punctual_.size() ? sample_punctual(punctual_[light], position)
+                                   : sample_triangle(triangles_[light - punctual_.size()], position, u);
+      s.pdf *= choice.pmf;
+      break;
+    }
+  }
+  s.pdf *= chance;
   return s;
 }
 
@@ -203,26 +302,37 @@ LightSample Lights::sample_triangle(const TriangleLight& light, vec3 position, v
   return s;
 }
 
-vec3 Lights::escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint, float bsdf_pdf) const {
-  const EnvironmentLight::Value value = environment_.read(footprint);
-  const bool weighted = bsdf_pdf > 0.0f && can_sample();
-  vec3 radiance = value.radiance;
-  if (weighted) radiance *= mis_weight(bsdf_pdf, value.pdf * choice_.pmf(0), kEnvironmentMisPower);
-  for (std::size_t i = 0; i < environment_.suns().size(); ++i) {
-    const auto& sun = environment_.suns()[i];
-    const vec3 local = sun.frame.to_local(direction);
-    if (local.z <= 0.0f || local.x * local.x + local.y * local.y > sun.sin2_radius) continue;
-    const float pdf = weighted ? choice_.pmf(static_cast<int>(1 + i)) / sun.solid_angle : 0.0f;
-    radiance += sun.radiance * (weighted ? mis_weight(bsdf_pdf, pdf, kAreaMisPower) : 1.0f);
+vec3 Lights::escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint) const {
+  vec3 radiance = environment_.read(footprint).radiance;
+  for (const auto& sun : environment_.suns()) {
+    if (sun.contains(direction)) radiance += sun.radiance;
   }
   return radiance;
 }
 
-float Lights::triangle_pdf(int light, float distance, float cos_light) const {
-  if (!can_sample() || cos_light <= 0.0f) return 0.0f;
-  const int first = static_cast<int>(1 + environment_.suns().size() + punctual_.size());
-  const float area = triangles_[static_cast<std::size_t>(light)].area;
-  return area > 0.0f ? choice_.pmf(first + light) * distance * distance / (area * cos_light) : 0.0f;
+vec3 Lights::escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint, float bsdf_pdf,
+                              const LightChances& chances) const {
+  const EnvironmentLight::Value value = environment_.read(footprint);
+  vec3 radiance = value.radiance;
+  std::size_t source = 0;
+  if (environment_.can_sample()) {
+    radiance *= mis_weight(bsdf_pdf, value.pdf * chances.pmf[source++], kEnvironmentMisPower);
+  }
+  for (const auto& sun : environment_.suns()) {
+    const float chance = chances.pmf[source++];
+    if (!sun.contains(direction)) continue;
+    radiance += sun.radiance * mis_weight(bsdf_pdf, chance / sun.solid_angle, kAreaMisPower);
+  }
+  return radiance;
+}
+
+float Lights::triangle_pdf(int light, const LightChances& chances, float distance, float cos_light) const {
+  const TriangleLight& triangle = triangles_[static_cast<std::size_t>(light)];
+  if (cos_light <= 0.0f || triangle.area <= 0.0f || triangle_powers_[static_cast<std::size_t>(light)] <= 0.0f)
+    return 0.0f;
+  const Source& source = sources_[triangle.source];
+  const int index = light + static_cast<int>(punctual_.size()) - static_cast<int>(source.first);
+  return chances.pmf[triangle.source] * source.choice.pmf(index) * distance * distance / (triangle.area * cos_light);
 }
 
 }  // namespace candela::path

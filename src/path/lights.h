@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "path/environment_light.h"
 #include "path/geometry.h"
 
@@ -30,14 +32,23 @@ inline float mis_weight(float a, float b, float power) {
 inline constexpr float kEnvironmentMisPower = 1.0f;
 inline constexpr float kAreaMisPower = 2.0f;
 
-/// Every source of light in the scene, chosen by power: the map, suns, punctual lights, emissive triangles.
+/// How likely each source is chosen at one point of the scene.
+struct LightChances {
+  static constexpr std::size_t kMost = 32;
+  std::array<float, kMost> pmf;  ///< one per source, sum 1, or all 0 where no light can come from
+};
+
+/// Every light in the scene, in sources: the map, a sun, a punctual light, the emissive triangles of one primitive. A
+/// source is chosen by an estimate of its irradiance at the point in question (its power over the squared distance), a
+/// triangle of it by power.
 class Lights {
  public:
   /// Numbers the emissive triangles in `geometry`.
   Lights(const Scene& scene, const Environment& environment, Geometry& geometry);
 
-  bool can_sample() const { return !choice_.empty(); }
-  LightSample sample(vec3 position, float u_choice, vec2 u) const;
+  bool can_sample() const { return !sources_.empty(); }
+  void find_chances(vec3 position, LightChances& chances) const;
+  LightSample sample(vec3 position, const LightChances& chances, float u_choice, vec2 u) const;
   /// Starts the memory access that sample(…, u) is likely to wait for.
   void prefetch(vec2 u) const {
     if (environment_.can_sample()) environment_.prefetch_sample(u);
@@ -47,17 +58,17 @@ class Lights {
     return sample.is_map ? environment_.read(sample.footprint).radiance : sample.radiance;
   }
 
-  /// What a ray sees that hits nothing, each part weighted against sampling it by sample(): `bsdf_pdf` is the density
-  /// that the direction was sampled with; ≤ 0 means that no other technique could (camera rays, mirrors): full weight.
-  /// `footprint` is environment().locate(direction).
-  vec3 escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint, float bsdf_pdf) const;
-  vec3 escaped_radiance(vec3 direction) const {
-    return escaped_radiance(direction, environment_.locate(direction), 0.0f);
-  }
+  /// What a ray sees that hits nothing. `footprint` is environment().locate(direction).
+  vec3 escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint) const;
+  vec3 escaped_radiance(vec3 direction) const { return escaped_radiance(direction, environment_.locate(direction)); }
+  /// The same for a direction that the material sampled with density `bsdf_pdf` > 0 where the lights had these chances:
+  /// each part is weighted against sample().
+  vec3 escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint, float bsdf_pdf,
+                        const LightChances& chances) const;
 
   /// Density of sample() for the point of an emissive triangle at `distance` seen under `cos_light`; 0 when never
   /// sampled.
-  float triangle_pdf(int light, float distance, float cos_light) const;
+  float triangle_pdf(int light, const LightChances& chances, float distance, float cos_light) const;
 
   const EnvironmentLight& environment() const { return environment_; }
 
@@ -66,16 +77,30 @@ class Lights {
     std::int32_t placement = -1;
     std::uint32_t triangle = 0;
     float area = 0.0f;
+    std::uint32_t source = 0;
   };
   struct PunctualLight {
     Light light;
     vec3 position{0.0f};
     vec3 direction{0, 0, -1};  ///< it shines along
     float cos_inner = 1.0f, cos_outer = 0.0f;
+    float power = 0.0f;  ///< lumens; of a directional light lux
+  };
+  enum class SourceKind { map, sun, punctual, many };
+  struct Source {
+    SourceKind kind = SourceKind::many;
+    std::size_t first = 0;  ///< sun or punctual light; of `many` the first in the order punctual lights, triangles
+    float strength = 0.0f;  ///< irradiance of what is far away, power / 4π of what is near
+    vec3 center{0.0f};
+    float least_distance2 = 0.0f;
+    Distribution1D choice = {};  ///< of `many`: by power
   };
 
-  void add_triangles(Geometry& geometry, std::vector<float>& powers);
-  void add_punctual(const Scene& scene, float scene_radius, std::vector<float>& powers);
+  void add_punctual(const Scene& scene);
+  void add_triangles(Geometry& geometry);
+  void make_sources();
+  Source make_source(std::size_t first, std::size_t count) const;
+  float irradiance(const Source& source, vec3 position) const;
   LightSample sample_environment(vec2 u) const;
   LightSample sample_sun(const EnvironmentLight::Sun& sun, vec2 u) const;
   LightSample sample_punctual(const PunctualLight& light, vec3 position) const;
@@ -85,8 +110,8 @@ class Lights {
   EnvironmentLight environment_;
   std::vector<PunctualLight> punctual_;
   std::vector<TriangleLight> triangles_;
-  /// Over: the map, the suns, the punctual lights, the triangles, in this order.
-  Distribution1D choice_;
+  std::vector<float> triangle_powers_;
+  std::vector<Source> sources_;  ///< the map (if it can be sampled), the suns, then the others
 };
 
 }  // namespace candela::path
