@@ -218,6 +218,7 @@ Verb add_info(CLI::App& app) {
   verb->add_flag("--json", options->json, "For a machine: one JSON object");
   verb->footer("Examples:\n  candela info helmet.glb\n  candela info picture.exr --json");
   return [options] {
+    if (options->file.empty()) throw UsageError("FILE: the name is empty");
     const Report report = is_image_file(options->file) ? image_report(options->file) : scene_report(options->file);
     print(options->json ? report.json : report.text);
   };

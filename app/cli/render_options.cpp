@@ -41,8 +41,7 @@ auto count_within(int low, int high) {
   return [low, high](const std::string& text) { return parse_count(text, low, high); };
 }
 
-constexpr float kTiny = std::numeric_limits<float>::min();  // the smallest bound that excludes zero
-constexpr float kHuge = 1e30f;                              // far from where squares overflow a float
+constexpr float kHuge = 1e30f;  // far from where squares overflow a float
 constexpr int kMostSamples = 1 << 20;
 constexpr int kOpenEndedSamples = 1 << 16;  // where --time or --noise is meant to stop first
 
@@ -133,7 +132,7 @@ void add_light(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--env", "FILE|NAME", o.environment, text,
             "An .exr or .hdr, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
       ->group(group);
-  add_value(verb, "--sun-elevation", "DEG", o.sun_elevation, number_within(-90.0f, 90.0f),
+  add_value(verb, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
             "Height of the sun: short for --env sky:DEG")
       ->group(group);
   add_value(verb, "--env-rotation", "DEG", o.environment_rotation, degrees_within(-36000.0f, 36000.0f),
@@ -149,9 +148,12 @@ void add_running(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--threads", "N", o.threads, count_within(0, 1024), "0 is all; the picture does not depend on it [0]")
       ->group(group);
   add_value(verb, "--engine", "path", o.engine, parse_engine, "The renderer: path, a path tracer [path]")->group(group);
-  add_value(
-      verb, "--stats", "FILE.json", o.stats, [](const std::string& value) { return fs::path(value); },
-      "Times, rays, memory and warnings as JSON; - is standard output")
+  const auto file_name = [](const std::string& value) {
+    if (value.empty()) throw UsageError("the name is empty");
+    return fs::path(value);
+  };
+  add_value(verb, "--stats", "FILE.json", o.stats, file_name,
+            "Times, rays, memory and warnings as JSON; - is standard output")
       ->group(group);
   verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group(group);
   verb->add_flag("--strict", o.strict, "Warnings are errors")->group(group);
@@ -178,7 +180,7 @@ Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage.)";
 void check_outputs(RenderOptions& o) {
   if (o.outputs.empty()) {
     const std::string name = o.scene.starts_with("demo:") ? o.scene.substr(5) : fs::path(o.scene).stem().string();
-    o.outputs.push_back(name + ".png");
+    o.outputs.push_back((name.empty() ? "picture" : name) + ".png");
   }
   std::set<std::string> seen;
   bool any_exr = false;
@@ -214,6 +216,7 @@ CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
 }
 
 void finish_options(const CLI::App& verb, RenderOptions& o) {
+  if (o.scene.empty()) throw UsageError("SCENE: the name is empty");
   constexpr int kDefaultSamples = 128;
   const bool open_ended = o.settings.time_limit_s || o.settings.noise;
   o.settings.samples = o.samples.value_or(open_ended ? kOpenEndedSamples : kDefaultSamples);

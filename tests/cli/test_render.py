@@ -268,6 +268,7 @@ class BadInput(CliTest):
 
     def test_unknown_demo(self):
         self.fails("render", "demo:teapot", "-o", "a.png", says="teapot")
+        self.fails("render", "demo:", says="demo")
 
     def test_damaged_scenes(self):
         damaged = {

@@ -48,6 +48,8 @@ class Usage(CliTest):
     def test_missing_scene(self):
         self.refuses("render", says="SCENE")
         self.refuses("info", says="FILE")
+        self.refuses("render", "", says="SCENE")
+        self.refuses("info", "", says="FILE")
 
     def test_unknown_option(self):
         self.refuses("render", "demo:spheres", "--sppp", "3", says="--sppp")
@@ -86,7 +88,8 @@ class Usage(CliTest):
             "--vignetting": ["-0.1", "1.1", "nan"],
             "--env-intensity": ["-1", "inf", "nan"],
             "--env-rotation": ["north", "nan"],
-            "--sun-elevation": ["91", "-91", "noon"],
+            "--stats": [""],
+            "--sun-elevation": ["91", "-6", "noon"],
         }
         for option, values in wrong.items():
             for value in values:
