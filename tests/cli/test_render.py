@@ -268,7 +268,7 @@ class BadInput(CliTest):
 
     def test_unknown_demo(self):
         self.fails("render", "demo:teapot", "-o", "a.png", says="teapot")
-        self.fails("render", "demo:", says="demo")
+        self.fails("render", "demo:", says="built-in scene")
 
     def test_damaged_scenes(self):
         damaged = {
