@@ -5,6 +5,7 @@ be absent: tests that want it skip then.
 """
 
 import dataclasses
+import json
 import os
 import pathlib
 import shutil
@@ -100,6 +101,36 @@ class CliTest(unittest.TestCase):
 
     def files(self):
         return sorted(path.name for path in self.folder.iterdir())
+
+
+def triangle_glb():
+    """One triangle 2 m wide in the plane z = 0, and two cameras in front of it: "near", and one on the node "far"."""
+    positions = struct.pack("<9f", -1, 0, 0, 1, 0, 0, 0, 2, 0)
+    lens = {"yfov": 0.8, "znear": 0.1}
+    scene = {
+        "asset": {"version": "2.0", "generator": "candela tests"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1, 2]}],
+        "nodes": [
+            {"mesh": 0},
+            {"camera": 0, "translation": [0, 1, 3]},
+            {"camera": 1, "translation": [0, 1, 6], "name": "far"},
+        ],
+        "cameras": [
+            {"type": "perspective", "name": "near", "perspective": lens},
+            {"type": "perspective", "perspective": lens},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, 0, 0], "max": [1, 2, 0]}
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": len(positions)}],
+        "buffers": [{"byteLength": len(positions)}],
+    }
+    text = json.dumps(scene).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(positions), b"BIN\0") + positions
+    return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
 
 
 def png_pixels(path):

@@ -7,7 +7,7 @@ import struct
 import time
 
 import candela
-from candela import CliTest, TINY
+from candela import CliTest, TINY, triangle_glb
 
 
 class Info(CliTest):
@@ -24,9 +24,13 @@ class Info(CliTest):
         self.assertIn(str(info["triangles"]), text)
 
     def test_file_has_the_numbers_of_its_json(self):
-        info = self.json_of(self.assets() / "models" / "Box" / "glTF-Binary" / "Box.glb")
-        self.assertEqual((info["meshes"], info["triangles"], info["vertices"]), (1, 12, 24))
-        self.assertEqual(info["bounds"]["upper"], [0.5, 0.5, 0.5])
+        (self.folder / "a.glb").write_bytes(triangle_glb())
+        info = self.json_of("a.glb")
+        self.assertEqual((info["nodes"], info["meshes"], info["triangles"], info["vertices"]), (3, 1, 1, 3))
+        self.assertEqual(info["bounds"], {"lower": [-1, 0, 0], "upper": [1, 2, 0]})
+        self.assertEqual([camera["name"] for camera in info["cameras"]], ["near", ""])
+        self.assertEqual(info["generator"], "candela tests")
+        self.assertEqual(info["bytes"], len(triangle_glb()))
 
     def test_textures_have_sizes_and_memory(self):
         info = self.json_of(self.assets() / "models" / "BoxTextured" / "glTF-Binary" / "BoxTextured.glb")
