@@ -137,6 +137,7 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   const float side = glm::dot(ns, ng) < 0.0f ? -1.0f : 1.0f;
   ns *= side;
   for (vec3& n : normals) n *= side;
+  point.smooth_normal = ns;
   point.lifted = lift_to_smooth_surface(point.position, p, normals, b);
 
   // ----- normal map

@@ -13,8 +13,9 @@ struct SurfacePoint {
                 ///< stands for
   float clearance = 0.0f;  ///< see surface_clearance
   vec3 geometric_normal;
-  Frame frame;  ///< around the shading normal
-  vec3 wo;      ///< local, wo.z > 0
+  vec3 smooth_normal;  ///< of the vertices, interpolated
+  Frame frame;         ///< around the shading normal
+  vec3 wo;             ///< local, wo.z > 0
   shade::Surface surface;
   vec3 emission{0.0f};  ///< towards wo
   bool is_back = false;
@@ -22,8 +23,9 @@ struct SurfacePoint {
 
   /// Origin of a ray into `direction` that does not meet its own surface again.
   vec3 ray_origin(vec3 direction) const;
-  /// Whether `direction` leaves on the outside for both the facet and the shading normal.
-  bool is_outside(vec3 direction) const { return glm::dot(geometric_normal, direction) > 0.0f; }
+  /// Whether `direction` leaves on the outside of the smooth surface: were it the facet, those that look away from a
+  /// lamp would be black triangles among lit ones.
+  bool is_outside(vec3 direction) const { return glm::dot(smooth_normal, direction) > 0.0f; }
 };
 
 /// Fetches textures and prepares the closure at a hit of a ray with `direction`.
