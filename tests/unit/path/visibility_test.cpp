@@ -199,14 +199,14 @@ TEST(unit_path_visibility, coarse_smooth_sphere_has_no_black_triangles_at_its_te
     path::Settings s = centred(64, 1, 1);
     s.layers = {Layer::normal};
     const Film film = shoot(b.build(), dark_environment(), look_at({0, 0, 5}, vec3(0.0f), 0.45f), s);
-    // Light falls off with the shading normal alone, all the way; at the rim normals are turned towards the viewer.
+    // Light falls off with the shading normal alone, all the way; but at the rim normals are turned to the viewer.
     int checked = 0;
     for (int y = 0; y < 64; ++y) {
       for (int x = 0; x < 64; ++x) {
         const vec3 n = film.layers.at(Layer::normal).rgb(x, y);
-        if (n == vec3(0.0f)) continue;
+        if (n.z < 0.2f) continue;
         ++checked;
-        ASSERT_NEAR(film.beauty.rgb(x, y).x, std::max(glm::dot(n, towards), 0.0f), 0.02f)
+        ASSERT_NEAR(film.beauty.rgb(x, y).x, std::max(glm::dot(n, towards), 0.0f), 2e-3f)
             << levels << " levels, " << x << " " << y;
       }
     }
