@@ -115,9 +115,10 @@ Job prepare(const RenderOptions& o, Diagnostics& diagnostics) {
   job.environment.intensity *= o.environment_intensity;
   job.view = choose_view(o, job.scene, job.camera);
   set_lens(o, job.scene, job.view);
-  job.develop = default_develop(job.scene);
+  job.develop = default_develop(job.scene, job.environment);
   if (o.exposure) job.develop.exposure = *o.exposure;
   job.develop.tone_curve = o.tone_curve;
+  job.develop.background = o.background.color;
 
   if (world_bounds(job.scene).empty()) diagnostics.warn("nothing in the scene has a mesh", o.scene);
   for (const fs::path output : o.outputs) {
@@ -125,7 +126,7 @@ Job prepare(const RenderOptions& o, Diagnostics& diagnostics) {
       diagnostics.warn("--exposure and --tonemap have no effect on linear radiance", output.string());
     }
     const bool keeps_alpha = has_extension(output, ".png") || has_extension(output, ".exr");
-    if (o.settings.background.kind == path::Background::Kind::transparent && !keeps_alpha) {
+    if (o.background.kind == path::Background::transparent && !o.background.color && !keeps_alpha) {
       diagnostics.warn("this format has no transparency", output.string());
     }
   }

@@ -56,12 +56,12 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
       ->group(group);
   add_value(verb, "--size", "WxH", o.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]")->group(group);
   add_value(verb, "--exposure", "auto|EV|f/N,1/T,ISO", o.exposure, parse_exposure,
-            "Metered, in stops, or as on a camera [the scene's wish, else auto]")
+            "Metered, in stops, or as on a camera [the scene's wish; studio 0; else auto]")
       ->group(group);
   add_value(verb, "--tonemap", "CURVE", o.tone_curve, parse_tone_curve,
             "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")
       ->group(group);
-  add_value(verb, "--background", "env|transparent|COLOUR", o.settings.background, parse_background,
+  add_value(verb, "--background", "env|transparent|COLOUR", o.background, parse_background,
             "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
       ->group(group);
   add_value(verb, "--aov", "LIST", o.settings.layers, parse_layers,
@@ -222,6 +222,7 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   o.settings.samples = o.samples.value_or(open_ended ? kOpenEndedSamples : kDefaultSamples);
   o.settings.width = o.size.x;
   o.settings.height = o.size.y;
+  o.settings.background = o.background.kind;
   o.develop_given = verb.count("--exposure") + verb.count("--tonemap") > 0;
   o.focus_given = verb.count("--focus-distance") > 0;
 

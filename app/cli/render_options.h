@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/values.h"
 #include "image/develop.h"
 #include "path/render.h"
 #include "scene/view.h"
@@ -41,6 +42,7 @@ struct RenderOptions {
 
   std::optional<std::optional<float>> exposure;  ///< given, and then empty for "auto"
   ToneCurve tone_curve = ToneCurve::pbr_neutral;
+  BackgroundChoice background;
   bool develop_given = false;  ///< --exposure or --tonemap
 
   std::optional<std::filesystem::path> stats;  ///< "-" is standard output

@@ -180,11 +180,10 @@ std::string parse_engine(const std::string& text) {
   return one_of(text, std::array<std::pair<std::string_view, std::string>, 1>{{{"path", "path"}}});
 }
 
-path::Background parse_background(const std::string& text) {
-  using Kind = path::Background::Kind;
-  if (text == "env") return {Kind::environment, {}};
-  if (text == "transparent") return {Kind::transparent, {}};
-  return {Kind::color, parse_color(text)};
+BackgroundChoice parse_background(const std::string& text) {
+  if (text == "env") return {path::Background::environment};
+  if (text == "transparent") return {path::Background::transparent};
+  return {path::Background::transparent, parse_color(text)};
 }
 
 std::optional<float> parse_focus(const std::string& text) {

@@ -32,7 +32,12 @@ Orbit parse_orbit(const std::string& text);          ///< "azimuth,elevation[,di
 std::set<Layer> parse_layers(const std::string& text);
 path::PixelFilter parse_filter(const std::string& text);
 path::Integrator parse_integrator(const std::string& text);
-path::Background parse_background(const std::string& text);
+
+struct BackgroundChoice {
+  path::Background kind = path::Background::environment;
+  std::optional<vec3> color = {};  ///< linear; shows through where the film is transparent
+};
+BackgroundChoice parse_background(const std::string& text);
 std::string parse_engine(const std::string& text);
 
 /// Metres, or empty for "auto".

@@ -29,7 +29,15 @@ View default_view(const Scene& scene, float aspect) {
 
 std::string default_environment(const Scene& scene) { return scene.preferred_environment.value_or("studio"); }
 
-DevelopSettings default_develop(const Scene& scene) { return {.exposure = scene.preferred_exposure}; }
+DevelopSettings default_develop(const Scene& scene, const Environment& environment) {
+  DevelopSettings settings;
+  settings.exposure = scene.preferred_exposure ? scene.preferred_exposure : environment.exposure;
+  return settings;
+}
+
+DevelopSettings default_develop(const Scene& scene) {
+  return default_develop(scene, make_environment(default_environment(scene)));
+}
 
 Film render(const Scene& scene, const path::Settings& settings) {
   const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);

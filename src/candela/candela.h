@@ -22,7 +22,8 @@ namespace candela {
 /// Loads a .gltf/.glb, or a built-in scene by "demo:NAME". Throws Error. Warnings go to `diagnostics` when given.
 Scene load(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr);
 
-/// The view a user would expect without saying more: the file's first camera, else the whole subject in three-quarter view.
+/// The view a user would expect without saying more: the file's first camera, else the whole subject in three-quarter
+/// view.
 View default_view(const Scene& scene, float aspect);
 
 /// What the subject is framed by: world_bounds(), or a two metre cube about the origin when nothing has a mesh.
@@ -31,7 +32,9 @@ Box3 subject_bounds(const Scene& scene);
 /// The light a scene wishes for, else "studio". A name for make_environment().
 std::string default_environment(const Scene& scene);
 
-/// The exposure a scene wishes for, else metered from the picture.
+/// The exposure a scene wishes for, else the one its environment is made for, else metered from the picture.
+DevelopSettings default_develop(const Scene& scene, const Environment& environment);
+/// The same under default_environment.
 DevelopSettings default_develop(const Scene& scene);
 
 /// Renders with default_environment and default_view.

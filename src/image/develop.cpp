@@ -72,28 +72,31 @@ std::uint8_t code(float encoded, float offset) { return static_cast<std::uint8_t
 float positive(float v) { return v > 0.0f ? v : 0.0f; }  // NaN becomes 0
 
 template <shade::vec3 (*Curve)(shade::vec3)>
-void develop_row(const Image& beauty, int y, float exposure, bool dither, const SrgbEncoder& encode,
+void develop_row(const Image& beauty, int y, float exposure, const DevelopSettings& settings, const SrgbEncoder& encode,
                  std::uint8_t* out) {
   for (int x = 0; x < beauty.width; ++x, out += 4) {
     const float* p = beauty.pixels.data() + beauty.index(x, y);
     const float alpha = beauty.channels == 4 ? std::min(positive(p[3]), 1.0f) : 1.0f;
-    out[3] = static_cast<std::uint8_t>(alpha * 255.0f + 0.5f);
+    out[3] = settings.background ? 255 : static_cast<std::uint8_t>(alpha * 255.0f + 0.5f);
     const vec3 rgb = beauty.rgb(x, y);
     if (max_component(rgb) == kInfinity) {
       out[0] = out[1] = out[2] = 255;
       continue;
     }
     const float scale = alpha > 0.0f ? exposure / alpha : 0.0f;
-    const vec3 shown = Curve(vec3(positive(rgb.x), positive(rgb.y), positive(rgb.z)) * scale);
-    // One offset for the three channels keeps greys grey.
-    const float offset = dither ? dither_offset(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)) : 0.5f;
+    vec3 shown = Curve(vec3(positive(rgb.x), positive(rgb.y), positive(rgb.z)) * scale);
+    if (settings.background) shown = shown * alpha + *settings.background * (1.0f - alpha);
+    // One offset for the three channels keeps greys grey; a plain background has no gradient to dither.
+    const float offset = settings.dither && alpha > 0.0f
+                             ? dither_offset(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y))
+                             : 0.5f;
     out[0] = code(encode(shown.x), offset);
     out[1] = code(encode(shown.y), offset);
     out[2] = code(encode(shown.z), offset);
   }
 }
 
-using RowFunction = void (*)(const Image&, int, float, bool, const SrgbEncoder&, std::uint8_t*);
+using RowFunction = void (*)(const Image&, int, float, const DevelopSettings&, const SrgbEncoder&, std::uint8_t*);
 
 RowFunction row_function(ToneCurve curve) {
   switch (curve) {
@@ -242,7 +245,7 @@ DisplayImage develop(const Film& film, const DevelopSettings& settings) {
   const std::size_t row_bytes = static_cast<std::size_t>(beauty.width) * 4;
   parallel_for(0, static_cast<std::size_t>(beauty.height), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y)
-      row(beauty, static_cast<int>(y), exposure, settings.dither, encode, image.rgba.data() + y * row_bytes);
+      row(beauty, static_cast<int>(y), exposure, settings, encode, image.rgba.data() + y * row_bytes);
   });
   return image;
 }

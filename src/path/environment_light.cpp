@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/parallel.h"
+#include "base/check.h"
 
 namespace candela::path {
 
@@ -35,6 +35,12 @@ inline float fast_atan2(float y, float x) {
   return y < 0.0f ? -a : a;
 }
 
+/// Of four texels: top left, top right, bottom left, bottom right.
+template <class Texel>
+vec3 bilinear(const Texel& at, float tx, float ty) {
+  return (at(0) * (1.0f - tx) + at(1) * tx) * (1.0f - ty) + (at(2) * (1.0f - tx) + at(3) * tx) * ty;
+}
+
 }  // namespace
 
 EnvironmentLight::EnvironmentLight(const Environment& environment) {
@@ -58,6 +64,12 @@ EnvironmentLight::EnvironmentLight(const Environment& environment) {
 
   if (!environment.map) return;
   const Image& map = *environment.map;
+  intensity_ = environment.intensity;
+  backdrop_ = environment.backdrop;
+  if (backdrop_) {
+    CANDELA_CHECK_EQ(backdrop_->width, map.width);
+    CANDELA_CHECK_EQ(backdrop_->height, map.height);
+  }
   width_ = map.width;
   height_ = map.height;
   texels_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
@@ -159,10 +171,26 @@ EnvironmentLight::Value EnvironmentLight::read(const Footprint& f) const {
   if (texels_.empty()) return {constant_, 0.0f};
   const auto at = [&](int i) { return vec3(texels_[f.offsets[i]]); };
   Value value;
-  value.radiance =
-      (at(0) * (1.0f - f.tx) + at(1) * f.tx) * (1.0f - f.ty) + (at(2) * (1.0f - f.tx) + at(3) * f.tx) * f.ty;
+  value.radiance = bilinear(at, f.tx, f.ty);
   value.pdf = texels_[f.cell].w / (2.0f * kPi * kPi * f.sin_theta);
   return value;
+}
+
+vec3 EnvironmentLight::background(vec3 direction) const {
+  const Footprint f = locate(direction);
+  if (backdrop_) {
+    const auto at = [&](int i) {
+      const float* p =
+          backdrop_->pixels.data() + std::size_t{f.offsets[i]} * static_cast<std::size_t>(backdrop_->channels);
+      return vec3(p[0], p[1], p[2]);
+    };
+    return intensity_ * bilinear(at, f.tx, f.ty) + constant_;
+  }
+  vec3 radiance = read(f).radiance;
+  for (const Sun& sun : suns_) {
+    if (sun.contains(direction)) radiance += sun.radiance;
+  }
+  return radiance;
 }
 
 EnvironmentLight::Sample EnvironmentLight::sample(vec2 u) const {

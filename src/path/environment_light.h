@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "math/distribution.h"
@@ -32,6 +33,9 @@ class EnvironmentLight {
   /// Without the suns.
   Value read(const Footprint& footprint) const;
   Value evaluate(vec3 direction) const { return read(locate(direction)); }
+
+  /// What the camera sees in a direction: the backdrop where there is one, else the map and the suns.
+  vec3 background(vec3 direction) const;
 
   struct Sample {
     vec3 direction{0, 1, 0};
@@ -70,6 +74,8 @@ class EnvironmentLight {
   float sin_rotation_ = 0.0f;
   vec3 constant_{0.0f};
   std::vector<vec4> texels_;  ///< radiance and density over uv
+  std::shared_ptr<const Image> backdrop_;
+  float intensity_ = 1.0f;
   Distribution2D distribution_;
   bool can_sample_ = false;
   float flux_ = 0.0f;

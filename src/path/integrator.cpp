@@ -11,16 +11,10 @@ namespace {
 PathSample background_sample(const PathContext& context, vec3 direction) {
   PathSample sample;
   sample.albedo = vec3(1.0f);
-  switch (context.background.kind) {
-    case Background::Kind::environment:
-      sample.radiance = context.lights.escaped_radiance(direction);
-      break;
-    case Background::Kind::color:
-      sample.radiance = context.background.color;
-      break;
-    case Background::Kind::transparent:
-      sample.alpha = 0.0f;
-      break;
+  if (context.background == Background::environment) {
+    sample.radiance = context.lights.environment().background(direction);
+  } else {
+    sample.alpha = 0.0f;
   }
   return sample;
 }

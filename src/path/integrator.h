@@ -11,7 +11,7 @@ struct PathContext {
   const Geometry& geometry;
   const Lights& lights;
   int bounces = 8;
-  Background background;
+  Background background = Background::environment;
 };
 
 struct RayCounts {

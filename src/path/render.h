@@ -19,11 +19,8 @@ enum class Integrator {
   minimal  ///< samples the material only: same mean, more noise; the reading ladder and the test oracle
 };
 
-/// What a camera ray sees that hits nothing.
-struct Background {
-  enum class Kind { environment, color, transparent } kind = Kind::environment;
-  vec3 color{0.0f};  ///< linear
-};
+/// What a camera ray sees that hits nothing. A plain colour is `transparent` with DevelopSettings::background.
+enum class Background { environment, transparent };
 
 struct Settings {
   int width = 1280;
@@ -36,7 +33,7 @@ struct Settings {
   PixelFilter filter = PixelFilter::box;
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
   Integrator integrator = Integrator::full;
-  Background background{};
+  Background background = Background::environment;
   std::set<Layer> layers{};
 };
 

@@ -89,6 +89,7 @@ Environment make_environment(const std::string& name_or_path) {
     Environment environment;
     environment.name = "furnace";
     environment.constant = vec3(1.0f);
+    environment.exposure = 1.0f;
     return environment;
   }
   if (name_or_path == "studio") return detail::make_studio();

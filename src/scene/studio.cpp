@@ -62,15 +62,16 @@ struct Softbox {
   }
 };
 
-/// The room: a light sweep that is brightest behind the subject where it meets the floor, dimmer above and below.
-vec3 backdrop(vec3 d) {
+/// The room: a light sweep that is brightest behind the subject where it meets the floor, dimmer above and below. What
+/// the camera sees of it is the same all around, so that every orbit has that backdrop.
+vec3 backdrop(vec3 d, bool is_seen) {
   const float elevation = degrees(std::asin(glm::clamp(d.y, -1.0f, 1.0f)));
   const float above = 0.26f - 0.06f * smoothstep(0.0f, 75.0f, elevation);
   const float below = 0.26f - 0.16f * smoothstep(0.0f, 55.0f, -elevation);
   // A background lamp's pool of light low on the sweep, wider than high; round the back of the pool the angle wraps.
   const vec3 behind = around_camera(180.0f, 0.0f);
   const float cos_sideways = (d.x * behind.x + d.z * behind.z) / glm::max(1e-6f, std::sqrt(d.x * d.x + d.z * d.z));
-  const float sideways = degrees(std::acos(glm::clamp(cos_sideways, -1.0f, 1.0f))) / 40.0f;
+  const float sideways = is_seen ? 0.0f : degrees(std::acos(glm::clamp(cos_sideways, -1.0f, 1.0f))) / 40.0f;
   const float height = (elevation + 8.0f) / 14.0f;
   const float pool = std::exp(-0.5f * (sideways * sideways + height * height));
   return vec3(0.985f, 0.995f, 1.02f) * ((elevation > 0.0f ? above : below) + 0.34f * pool);
@@ -93,12 +94,14 @@ Environment make_studio() {
   };
 
   Image map(kWidth, kHeight, 3);
+  Image seen(kWidth, kHeight, 3);
   parallel_for(0, kHeight, 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
       for (int x = 0; x < kWidth; ++x) {
         const int y = static_cast<int>(row);
         const vec3 d = map_direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, kWidth, kHeight);
-        vec3 radiance = backdrop(d);
+        seen.set_rgb(x, y, backdrop(d, true));
+        vec3 radiance = backdrop(d, false);
         for (const Softbox& lamp : lamps) radiance += lamp.at(d);
         map.set_rgb(x, y, radiance);
       }
@@ -106,7 +109,9 @@ Environment make_studio() {
   });
   Environment environment;
   environment.name = "studio";
+  environment.exposure = 1.0f;
   environment.map = std::make_shared<const Image>(std::move(map));
+  environment.backdrop = std::make_shared<const Image>(std::move(seen));
   return environment;
 }
 
