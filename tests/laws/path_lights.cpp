@@ -273,5 +273,23 @@ TEST(law_path, sun_disc_is_visible_to_the_camera) {
   EXPECT_NEAR(mean_luminance(image), 0.25 + 50.0 * fraction, 0.02 * 50.0 * fraction);
 }
 
+TEST(law_path, mirrors_show_lights_as_bright_as_they_are) {
+  // Nothing but the mirror can find them that way: no part of that light may be left to next-event estimation.
+  Environment sky = mapped_environment(32, 16, [](vec3 d) { return vec3(d.y > 0.6f ? 4.0f : 0.1f); });
+  SunDisc sun;
+  sun.direction = {0, 1, 0};
+  sun.angular_radius = 0.5f;
+  sun.radiance = vec3(3.0f);
+  sky.suns.push_back(sun);
+  SceneBuilder b;
+  b.add(plane(vec3(0.0f), 10.0f), metal(vec3(1.0f), 0.0f));
+  // The orthographic camera looks straight down; its mirror image straight up.
+  const Image up = shoot(b.build(), sky, from_above(0.5f, 0.4f), settings(4, 4, 1)).beauty;
+  for (const float v : {up.rgb(0, 0).x, up.rgb(3, 2).y}) EXPECT_NEAR(v, 7.0f, 1e-4f);
+  b.add(ceiling_lamp(), lamp(vec3(5.0f)));
+  const Image below_lamp = shoot(b.build(), sky, from_above(0.9f, 0.4f), settings(4, 4, 1)).beauty;
+  for (const float v : {below_lamp.rgb(0, 0).x, below_lamp.rgb(3, 2).y}) EXPECT_NEAR(v, 5.0f, 1e-4f);
+}
+
 }  // namespace
 }  // namespace candela
