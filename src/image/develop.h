@@ -17,11 +17,11 @@ std::string_view tone_curve_name(ToneCurve curve);
 /// From linear radiance to a picture on a display: exposure, tone curve, sRGB encoding. Happens once, after the film.
 struct DevelopSettings {
   /// Factor that radiance is multiplied by; empty = metered from the picture by metered_exposure().
-  std::optional<float> exposure;
+  std::optional<float> exposure = {};
   ToneCurve tone_curve = ToneCurve::pbr_neutral;
   /// Linear colour, 1 = display white, that shows where the film is transparent. It is no light: neither exposure nor
   /// tone curve touch it, so the colour that was asked for is the one in the file. Empty = the picture keeps its alpha.
-  std::optional<vec3> background;
+  std::optional<vec3> background = {};
   bool dither = true;  ///< ±½ code value of deterministic noise before rounding to 8 bits
 };
 

@@ -132,13 +132,13 @@ struct Environment {
   std::shared_ptr<const Image> map;  ///< RGB, equirectangular; null = black (but see `constant`)
   /// What the camera sees instead of the map when it looks past the scene (same size as the map): a studio's backdrop
   /// without its lamps. Null = the map.
-  std::shared_ptr<const Image> backdrop;
+  std::shared_ptr<const Image> backdrop = {};
   vec3 constant{0.0f};  ///< added everywhere
   std::vector<SunDisc> suns;
   float intensity = 1.0f;
   float rotation = 0.0f;  ///< about +y, counter-clockwise seen from above
   /// The exposure that its light is made for (factor, as DevelopSettings::exposure); empty = meter the picture.
-  std::optional<float> exposure;
+  std::optional<float> exposure = {};
 };
 
 struct Scene {
