@@ -120,8 +120,28 @@ Case sun() {
   return c;
 }
 
+Case polished() {
+  // A mirror over a diffuse layer: only one of them leaves light to next-event estimation.
+  SceneBuilder b;
+  b.add(plane(vec3(0.0f), 3.0f), plastic(vec3(0.2f), 0.0f));
+  b.add(quad({-1, 1, -1.2f}, {2, 0, 0}, {0, 1, 0.4f}), lamp({5, 4, 3}));
+  b.add(quad({-1, 0, -1}, {0, 0, 2}, {0, 1, 0}), metal(vec3(0.9f), 0.0f));
+  Case c{"mirrors that see a lamp, a map and a sun",
+         b.build(),
+         mapped_environment(32, 16, [](vec3 d) { return vec3(d.z < -0.8f ? 4.0f : 0.2f); }),
+         look_at({0.6f, 0.8f, 2.5f}, {0, 0, -0.5f}, 0.9f),
+         64,
+         256};
+  SunDisc disc;
+  disc.direction = glm::normalize(vec3(0.4f, 0.6f, -1.0f));
+  disc.angular_radius = 0.15f;
+  disc.radiance = vec3(20.0f);
+  c.environment.suns.push_back(disc);
+  return c;
+}
+
 TEST(law_path, full_and_minimal_integrator_have_the_same_mean) {
-  const Case cases[] = {room_with_lamp(), metal_under_map(), textured_lamp(), alpha(), instances(), sun()};
+  const Case cases[] = {room_with_lamp(), metal_under_map(), textured_lamp(), alpha(), instances(), sun(), polished()};
   const double threshold = sidak_threshold(3 * std::size(cases));
   for (const Case& c : cases) {
     path::Settings s = settings(8, c.full_samples, 6);
