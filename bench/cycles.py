@@ -18,14 +18,17 @@ import time
 EYE, TARGET, FOV, BOUNCES = "1.8,0.9,2.6", "0,0,0", "40", "8"
 
 
-def measure(command):
-    """(user + system seconds, wall seconds, peak MB) of one run."""
+def measure(command, output):
+    """(user + system seconds, wall seconds, peak MB) of one run that writes `output`."""
+    output.unlink(missing_ok=True)
+    # Blender takes the first Python on the path for its own; the system's has the modules it was built with.
+    environment = dict(os.environ, PATH="/usr/sbin:/usr/bin:/sbin:/bin")
     start = time.monotonic()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
     _, status, usage = os.wait4(process.pid, 0)
     wall = time.monotonic() - start
-    if status != 0:
-        sys.exit(f"{command[0]} failed:\n{process.stderr.read().decode()}")
+    if status != 0 or not output.exists():
+        sys.exit(f"{command[0]} failed: {' '.join(command)}")
     return usage.ru_utime + usage.ru_stime, wall, usage.ru_maxrss / 1024
 
 
@@ -52,7 +55,8 @@ def main():
     for width, height, spp in ((1280, 720, 1), (1280, 720, 64)):
         rows = {}
         for name, command in (("Cycles", cycles), ("Candela", candela)):
-            rows[name] = measure(command(options.output / f"{name}_{width}_{spp}.exr", width, height, spp))
+            picture = options.output / f"{name}_{width}_{spp}.exr"
+            rows[name] = measure(command(picture, width, height, spp), picture)
             cpu, wall, memory = rows[name]
             print(f"| {width}x{height}, {spp} spp | {name} | {cpu:.2f} | {wall:.2f} | {memory:.0f} |", flush=True)
         ratio = [a / b for a, b in zip(rows["Candela"], rows["Cycles"])]
@@ -63,9 +67,9 @@ def main():
     for name, command in (("Cycles", cycles), ("Candela", candela)):
         reference = options.output / f"{name}_reference.exr"
         if not reference.exists():
-            measure(command(reference, 480, 270, options.reference_spp, seed=77))
+            measure(command(reference, 480, 270, options.reference_spp, seed=77), reference)
         picture = options.output / f"{name}_480.exr"
-        measure(command(picture, 480, 270, 64))
+        measure(command(picture, 480, 270, 64), picture)
         error = subprocess.run([options.exr_error, str(picture), str(reference)], capture_output=True, text=True, check=True)
         print(f"{name}: {error.stdout.strip()}", flush=True)
 

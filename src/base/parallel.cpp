@@ -55,6 +55,10 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain,
 
 #endif
 
+int thread_count() {
+  return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
 struct ThreadLimit::Impl {
   explicit Impl(int count)
       : threads(count), control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)) {}

@@ -11,6 +11,9 @@ namespace candela {
 void parallel_for(std::size_t begin, std::size_t end, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body);
 
+/// How many threads parallel_for may use now.
+int thread_count();
+
 /// Limits every parallel_for (and Embree) to `threads` threads while alive; 0 means all the machine has.
 class ThreadLimit {
  public:

@@ -10,6 +10,7 @@
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 
 #include <algorithm>
 #include <cstring>
@@ -19,6 +20,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/parallel.h"
 #include "image/codec.h"
 #include "image/exr_guard.h"
 #include "image/film.h"
@@ -278,8 +280,11 @@ void write_exr(const std::filesystem::path& path, const Film& film) {
 
     MemoryOutput stream(where);
     {
-      // No worker threads and no date attribute: the same film gives the same bytes. The destructor writes the index.
-      Imf::OutputFile output(stream, header, 0);
+      // Blocks are compressed side by side and written in order, and there is no date attribute: the same film gives
+      // the same bytes for any number of threads. The destructor writes the index.
+      const int workers = thread_count() > 1 ? thread_count() : 0;
+      if (Imf::globalThreadCount() < workers) Imf::setGlobalThreadCount(workers);
+      Imf::OutputFile output(stream, header, workers);
       output.setFrameBuffer(frame);
       output.writePixels(film.height());
     }
