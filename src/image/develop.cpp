@@ -56,7 +56,7 @@ class SrgbEncoder {
   static float value_at(std::uint32_t i) { return std::bit_cast<float>(kFirst + (i << kFractionBits)); }
   static float exact(float linear) { return 255.0f * shade::srgb_encode_channel(linear); }
 
-  std::array<Line, 9 * 256> lines_;
+  std::array<Line, std::size_t{9} * 256> lines_;
 };
 
 /// Rounding offset of a pixel in [0, 1), equidistributed over any neighbourhood: the plastic-number lattice folded to a

@@ -136,7 +136,7 @@ std::optional<std::vector<std::byte>> base64_decoded(std::string_view text) {
   std::uint32_t bits = 0;
   int count = 0;
   for (const char c : text) {
-    const int value = table[static_cast<unsigned char>(c)];
+    const auto value = table[static_cast<unsigned char>(c)];
     if (value < 0) return std::nullopt;
     bits = bits << 6 | static_cast<std::uint32_t>(value);
     count += 6;

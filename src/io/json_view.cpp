@@ -106,9 +106,9 @@ std::vector<float> JsonView::reals(std::size_t count) const {
   return result;
 }
 
-std::string JsonView::string_or(const char* key, std::string fallback) const {
+std::string JsonView::string_or(const char* key, const std::string& fallback) const {
   const auto member = find(key);
-  return member ? member->string() : std::move(fallback);
+  return member ? member->string() : fallback;
 }
 
 bool JsonView::boolean_or(const char* key, bool fallback) const {

@@ -42,7 +42,7 @@ class JsonView {
   /// An array of exactly `count` finite numbers.
   std::vector<float> reals(std::size_t count) const;
 
-  std::string string_or(const char* key, std::string fallback = {}) const;
+  std::string string_or(const char* key, const std::string& fallback = {}) const;
   bool boolean_or(const char* key, bool fallback) const;
   float real_or(const char* key, float fallback) const;
   std::uint64_t whole_or(const char* key, std::uint64_t fallback) const;

@@ -41,7 +41,7 @@ class Table {
     const float x = std::clamp(uv.x, 0.0f, 1.0f) * static_cast<float>(width_ - 1);
     const float y = std::clamp(uv.y, 0.0f, 1.0f) * static_cast<float>(height_ - 1);
     const int x0 = std::min(static_cast<int>(x), width_ - 2), y0 = std::min(static_cast<int>(y), height_ - 2);
-    const vec3* const p = values_.data() + y0 * width_ + x0;
+    const vec3* const p = values_.data() + std::ptrdiff_t{y0} * width_ + x0;
     const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
     return glm::mix(glm::mix(p[0], p[1], fx), glm::mix(p[width_], p[width_ + 1], fx), fy);
   }
@@ -120,7 +120,8 @@ class Atmosphere {
     const float sin_sun = std::sqrt(std::max(0.0f, 1.0f - mu_sun * mu_sun));
     vec3 second(0.0f), transfer(0.0f);
     for (int k = 0; k < kDirections * kDirections; ++k) {
-      const float mu = 1.0f - 2.0f * (static_cast<float>(k / kDirections) + 0.5f) / kDirections;
+      const int row = k / kDirections;
+      const float mu = 1.0f - 2.0f * (static_cast<float>(row) + 0.5f) / kDirections;
       const float azimuth = 2.0f * kPi * (static_cast<float>(k % kDirections) + 0.5f) / kDirections;
       const float cos_sun = mu * mu_sun + std::sqrt(1.0f - mu * mu) * sin_sun * std::cos(azimuth);
       const bool ground = shade::sky_hits_ground(r, mu);
