@@ -26,22 +26,6 @@ ImageFormat format_of(const fs::path& path) {
   return sniff_image_format(std::as_bytes(std::span(head.data(), static_cast<std::size_t>(stream.gcount()))));
 }
 
-std::string format_name(ImageFormat format) {
-  switch (format) {
-    case ImageFormat::png:
-      return "PNG";
-    case ImageFormat::jpeg:
-      return "JPEG";
-    case ImageFormat::hdr:
-      return "Radiance HDR";
-    case ImageFormat::exr:
-      return "OpenEXR";
-    case ImageFormat::unknown:
-      break;
-  }
-  return "unknown";
-}
-
 struct Luminance {
   float least = kInfinity;
   float most = -kInfinity;

@@ -39,7 +39,8 @@ std::vector<std::byte> read_file(const fs::path& path, std::uint64_t max_bytes) 
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
   std::error_code ignored;
   // A link stays a link: what it names is replaced. A device or a pipe cannot be replaced, only written to.
-  if (const fs::path real = fs::weakly_canonical(target_, ignored); fs::is_symlink(target_) && !real.empty()) target_ = real;
+  if (const fs::path real = fs::weakly_canonical(target_, ignored); fs::is_symlink(target_) && !real.empty())
+    target_ = real;
   if (fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored) && !fs::is_directory(target_, ignored)) {
     temp_ = target_;
     committed_ = true;

@@ -16,22 +16,6 @@ bool starts_with(std::span<const std::byte> bytes, std::string_view magic) {
   return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
 }
 
-const char* format_name(ImageFormat format) {
-  switch (format) {
-    case ImageFormat::png:
-      return "PNG";
-    case ImageFormat::jpeg:
-      return "JPEG";
-    case ImageFormat::hdr:
-      return "Radiance HDR";
-    case ImageFormat::exr:
-      return "OpenEXR";
-    case ImageFormat::unknown:
-      break;
-  }
-  return "unknown";
-}
-
 template <class Code>
 void decode_rows(const TextureImage& texture, const std::vector<float>& linear_of_code, Image& image) {
   const auto width = static_cast<std::size_t>(texture.width);
@@ -67,6 +51,22 @@ Image linear_image(const TextureImage& texture) {
 }
 
 }  // namespace
+
+const char* format_name(ImageFormat format) {
+  switch (format) {
+    case ImageFormat::png:
+      return "PNG";
+    case ImageFormat::jpeg:
+      return "JPEG";
+    case ImageFormat::hdr:
+      return "Radiance HDR";
+    case ImageFormat::exr:
+      return "OpenEXR";
+    case ImageFormat::unknown:
+      break;
+  }
+  return "unknown";
+}
 
 ImageFormat sniff_image_format(std::span<const std::byte> bytes) {
   if (starts_with(bytes, "\x89PNG\r\n\x1a\n")) return ImageFormat::png;

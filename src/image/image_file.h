@@ -15,6 +15,8 @@ enum class ImageFormat { unknown, png, jpeg, hdr, exr };
 
 /// From the first bytes, never from a name.
 ImageFormat sniff_image_format(std::span<const std::byte> bytes);
+/// "PNG", "JPEG", "Radiance HDR", "OpenEXR" or "unknown".
+const char* format_name(ImageFormat format);
 
 /// Width and height from a PNG or JPEG header alone; throws Error(…, where) when it is neither or is damaged.
 ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where);

@@ -7,19 +7,10 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "math/hash.h"
 
 namespace candela::io {
 namespace {
-
-std::uint32_t hash(std::uint32_t x) {
-  // Wellons 2018 "Prospecting for Hash Functions", lowbias32.
-  x ^= x >> 16;
-  x *= 0x7feb352du;
-  x ^= x >> 15;
-  x *= 0x846ca68bu;
-  x ^= x >> 16;
-  return x;
-}
 
 int wrap(int i, int period) {
   const int m = i % period;

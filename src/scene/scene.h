@@ -25,7 +25,8 @@ struct Texture {
   Filter filter = Filter::linear;  ///< magnification; minification is by supersampling (path) or mips (raster)
 };
 
-/// A texture as one slot of a material uses it. uv' = transform * (uv, 1), columns of a 2×3 matrix (KHR_texture_transform).
+/// A texture as one slot of a material uses it. uv' = transform * (uv, 1), columns of a 2×3 matrix
+/// (KHR_texture_transform).
 struct TextureSlot {
   int texture = -1;
   int uv_set = 0;  ///< 0 or 1
@@ -58,8 +59,8 @@ struct Material {
   TextureSlot base_color_texture;          ///< sRGB, alpha linear
   TextureSlot metallic_roughness_texture;  ///< G roughness, B metallic
   TextureSlot normal_texture;
-  TextureSlot occlusion_texture;  ///< R; the path tracer computes occlusion and does not read it
-  TextureSlot emissive_texture;   ///< sRGB
+  TextureSlot occlusion_texture;       ///< R; the path tracer computes occlusion and does not read it
+  TextureSlot emissive_texture;        ///< sRGB
   TextureSlot specular_texture;        ///< A
   TextureSlot specular_color_texture;  ///< sRGB
 };
@@ -81,7 +82,7 @@ struct Mesh {
 };
 
 struct PerspectiveCamera {
-  float yfov = 0.7854f;              ///< full vertical angle, radians
+  float yfov = 0.7854f;               ///< full vertical angle, radians
   std::optional<float> aspect_ratio;  ///< the file's wish; the picture's own size wins
 };
 struct OrthographicCamera {

@@ -23,9 +23,9 @@ struct View {
   Lens lens;
 };
 
-/// Three-quarter view (azimuth 35°, elevation 20° unless given, degrees) of the whole box with a margin of about 8 %, for the
-/// picture's aspect ratio. `distance_scale` 1 fits; 0.5 is twice as close. Azimuth 0 looks along -z (sees +z sides),
-/// positive azimuth moves the camera towards +x.
+/// Three-quarter view (azimuth 35°, elevation 20° unless given, degrees) of the whole box with a margin of about 8 %,
+/// for the picture's aspect ratio. `distance_scale` 1 fits; 0.5 is twice as close. Azimuth 0 looks along -z (sees +z
+/// sides), positive azimuth moves the camera towards +x.
 struct Orbit {
   float azimuth = 0.610865f;    ///< radians
   float elevation = 0.349066f;  ///< radians, up

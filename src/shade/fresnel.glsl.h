@@ -13,13 +13,16 @@ SHADE_FN float schlick_weight(float cos_theta) {
 }
 
 /// Reflectance between F0 at normal incidence and F90 at grazing. Schlick 1994, "An Inexpensive BRDF Model", eq. 15.
-SHADE_FN vec3 fresnel_schlick(vec3 f0, vec3 f90, float cos_theta) { return f0 + (f90 - f0) * schlick_weight(cos_theta); }
+SHADE_FN vec3 fresnel_schlick(vec3 f0, vec3 f90, float cos_theta) {
+  return f0 + (f90 - f0) * schlick_weight(cos_theta);
+}
 
 /// Reflectance at normal incidence of a plane boundary; `eta` = n_transmitted / n_incident > 0.
 SHADE_FN float f0_from_eta(float eta) { return shade_sqr((eta - 1.0f) / (eta + 1.0f)); }
 
-/// Unpolarised reflectance of a dielectric boundary. `cos_theta` ≥ 0 on the incident side, `eta` = n_t / n_i; 1 at total
-/// internal reflection. Cook & Torrance 1982, "A Reflectance Model for Computer Graphics", p. 11 (Fresnel in g and c).
+/// Unpolarised reflectance of a dielectric boundary. `cos_theta` ≥ 0 on the incident side, `eta` = n_t / n_i; 1 at
+/// total internal reflection. Cook & Torrance 1982, "A Reflectance Model for Computer Graphics", p. 11 (Fresnel in g
+/// and c).
 SHADE_FN float fresnel_dielectric(float cos_theta, float eta) {
   float c = shade_saturate(cos_theta);
   float g2 = eta * eta - 1.0f + c * c;

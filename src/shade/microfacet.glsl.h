@@ -36,8 +36,8 @@ SHADE_FN float ggx_v_smith(vec3 wo, vec3 wi, float alpha) {
   return 0.5f / max(lo + li, 1e-30f);
 }
 
-/// A microfacet normal visible from `wo` (wo.z > 0) for u in [0,1)². Dupuy & Benyoub 2023, "Sampling Visible GGX Normals
-/// with Spherical Caps", listing 3, isotropic.
+/// A microfacet normal visible from `wo` (wo.z > 0) for u in [0,1)². Dupuy & Benyoub 2023, "Sampling Visible GGX
+/// Normals with Spherical Caps", listing 3, isotropic.
 SHADE_FN vec3 ggx_sample_visible(vec3 wo, float alpha, vec2 u) {
   vec3 w = normalize(vec3(alpha * wo.x, alpha * wo.y, wo.z));
   float phi = 2.0f * kShadePi * u.x;
