@@ -23,12 +23,6 @@ bool has_extension(const fs::path& path, std::string_view extension) {
 
 bool is_linear_format(const fs::path& path) { return has_extension(path, ".exr") || has_extension(path, ".hdr"); }
 
-bool is_device(const fs::path& path) {
-  std::error_code code;
-  const fs::file_status status = fs::status(path, code);
-  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
-}
-
 void check_writable(const fs::path& path) {
   std::error_code code;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");

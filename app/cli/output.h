@@ -13,9 +13,6 @@ namespace candela::cli {
 bool is_linear_format(const std::filesystem::path& path);
 bool has_extension(const std::filesystem::path& path, std::string_view extension);  ///< ignores case
 
-/// A device, a pipe: what is written there cannot be taken back or refreshed.
-bool is_device(const std::filesystem::path& path);
-
 /// Throws Error unless a file can appear at `path`: its folder exists and may be written.
 void check_writable(const std::filesystem::path& path);
 

@@ -36,12 +36,18 @@ std::vector<std::byte> read_file(const fs::path& path, std::uint64_t max_bytes) 
   return bytes;
 }
 
+bool is_device(const fs::path& path) {
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
   std::error_code ignored;
   // A link stays a link: what it names is replaced. A device or a pipe cannot be replaced, only written to.
-  if (const fs::path real = fs::weakly_canonical(target_, ignored); fs::is_symlink(target_) && !real.empty())
+  if (const fs::path real = fs::weakly_canonical(target_, ignored); fs::is_symlink(target_, ignored) && !real.empty())
     target_ = real;
-  if (fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored) && !fs::is_directory(target_, ignored)) {
+  if (is_device(target_)) {
     temp_ = target_;
     committed_ = true;
     return;

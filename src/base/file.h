@@ -12,6 +12,9 @@ namespace candela {
 /// Whole content of a file. Throws Error for a file that is missing, not regular, unreadable or above `max_bytes`.
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t max_bytes = std::uint64_t{1} << 32);
 
+/// Whether `path` exists and is neither a file nor a folder: a device or a pipe (links are followed).
+bool is_device(const std::filesystem::path& path);
+
 /// A file that appears whole or not at all: write to `temp_path()` (beside the target), then `commit()` renames it.
 /// Without commit the temporary file is removed. Throws Error where the folder cannot be written. A device or a pipe
 /// (/dev/stdout) is written to directly: temp_path() is the target itself.

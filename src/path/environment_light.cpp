@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/check.h"
 
@@ -52,9 +53,7 @@ EnvironmentLight::EnvironmentLight(const Environment& environment) {
   for (const SunDisc& disc : environment.suns) {
     if (max_component(disc.radiance) <= 0.0f || disc.angular_radius <= 0.0f) continue;
     Sun sun;
-    const vec3 d = disc.direction;
-    sun.frame = frame_from_normal(glm::normalize(
-        vec3(d.x * cos_rotation_ + d.z * sin_rotation_, d.y, -d.x * sin_rotation_ + d.z * cos_rotation_)));
+    sun.frame = frame_from_normal(glm::normalize(world_from_map(disc.direction)));
     sun.sin2_radius = std::pow(std::sin(disc.angular_radius), 2.0f);
     // 2π (1 - cos r) without cancellation for a sun half a degree wide.
     sun.solid_angle = 4.0f * kPi * std::pow(std::sin(0.5f * disc.angular_radius), 2.0f);
@@ -102,9 +101,9 @@ void EnvironmentLight::build_distribution() {
   for (std::size_t y = 0; y < h; ++y) {
     const std::size_t up = y == 0 ? 0 : y - 1;
     const std::size_t down = std::min(y + 1, h - 1);
-    const double top = std::cos(static_cast<double>(y) / static_cast<double>(h) * 3.14159265358979323846);
-    const double bottom = std::cos(static_cast<double>(y + 1) / static_cast<double>(h) * 3.14159265358979323846);
-    row_solid_angle[y] = (top - bottom) * 2.0 * 3.14159265358979323846 / static_cast<double>(w);
+    const double top = std::cos(static_cast<double>(y) / static_cast<double>(h) * std::numbers::pi);
+    const double bottom = std::cos(static_cast<double>(y + 1) / static_cast<double>(h) * std::numbers::pi);
+    row_solid_angle[y] = (top - bottom) * 2.0 * std::numbers::pi / static_cast<double>(w);
     for (std::size_t x = 0; x < w; ++x) {
       mean[y * w + x] = 0.125f * (across[up * w + x] + across[down * w + x]) + 0.75f * across[y * w + x];
       flux += static_cast<double>(mean[y * w + x]) * row_solid_angle[y];
@@ -113,7 +112,7 @@ void EnvironmentLight::build_distribution() {
   flux_ = static_cast<float>(flux);
 
   // ----- what exceeds the mean over the sphere is sampled here
-  const auto average = static_cast<float>(flux / (4.0 * 3.14159265358979323846));
+  const auto average = static_cast<float>(flux / (4.0 * std::numbers::pi));
   for (std::size_t y = 0; y < h; ++y) {
     for (std::size_t x = 0; x < w; ++x) {
       float& m = mean[y * w + x];
@@ -159,10 +158,9 @@ inline EnvironmentLight::Footprint EnvironmentLight::locate_uv(vec2 uv) const {
 
 EnvironmentLight::Footprint EnvironmentLight::locate(vec3 world) const {
   if (texels_.empty()) return {};
-  const float x = world.x * cos_rotation_ - world.z * sin_rotation_;
-  const float z = world.x * sin_rotation_ + world.z * cos_rotation_;
-  const float sin_theta = std::sqrt(x * x + z * z);
-  Footprint f = locate_uv({0.5f + fast_atan2(z, x) * (0.5f / kPi), fast_atan2(sin_theta, world.y) * (1.0f / kPi)});
+  const vec3 d = map_from_world(world);
+  const float sin_theta = std::sqrt(d.x * d.x + d.z * d.z);
+  Footprint f = locate_uv({0.5f + fast_atan2(d.z, d.x) * (0.5f / kPi), fast_atan2(sin_theta, d.y) * (1.0f / kPi)});
   f.sin_theta = std::max(sin_theta, 1e-6f);
   return f;
 }
@@ -186,11 +184,15 @@ vec3 EnvironmentLight::background(vec3 direction) const {
     };
     return intensity_ * bilinear(at, f.tx, f.ty) + constant_;
   }
-  vec3 radiance = read(f).radiance;
+  return radiance(direction, f);
+}
+
+vec3 EnvironmentLight::radiance(vec3 direction, const Footprint& footprint) const {
+  vec3 sum = read(footprint).radiance;
   for (const Sun& sun : suns_) {
-    if (sun.contains(direction)) radiance += sun.radiance;
+    if (sun.contains(direction)) sum += sun.radiance;
   }
-  return radiance;
+  return sum;
 }
 
 EnvironmentLight::Sample EnvironmentLight::sample(vec2 u) const {
@@ -198,11 +200,9 @@ EnvironmentLight::Sample EnvironmentLight::sample(vec2 u) const {
   const float phi = (s.uv.x - 0.5f) * 2.0f * kPi;
   const float theta = s.uv.y * kPi;
   const float sin_theta = std::max(std::sin(theta), 1e-6f);
-  const float x = sin_theta * std::cos(phi);
-  const float z = sin_theta * std::sin(phi);
+  const vec3 d(sin_theta * std::cos(phi), std::cos(theta), sin_theta * std::sin(phi));
   Sample sample;
-  sample.direction = glm::normalize(
-      vec3(x * cos_rotation_ + z * sin_rotation_, std::cos(theta), -x * sin_rotation_ + z * cos_rotation_));
+  sample.direction = glm::normalize(world_from_map(d));
   sample.footprint = locate_uv(s.uv);
   sample.footprint.sin_theta = sin_theta;
   sample.pdf = s.pdf / (2.0f * kPi * kPi * sin_theta);

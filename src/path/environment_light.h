@@ -34,6 +34,8 @@ class EnvironmentLight {
   Value read(const Footprint& footprint) const;
   Value evaluate(vec3 direction) const { return read(locate(direction)); }
 
+  /// Map and suns together. `footprint` is locate(direction).
+  vec3 radiance(vec3 direction, const Footprint& footprint) const;
   /// What the camera sees in a direction: the backdrop where there is one, else the map and the suns.
   vec3 background(vec3 direction) const;
 
@@ -66,6 +68,12 @@ class EnvironmentLight {
 
  private:
   Footprint locate_uv(vec2 uv) const;
+  vec3 world_from_map(vec3 v) const {
+    return {v.x * cos_rotation_ + v.z * sin_rotation_, v.y, -v.x * sin_rotation_ + v.z * cos_rotation_};
+  }
+  vec3 map_from_world(vec3 v) const {
+    return {v.x * cos_rotation_ - v.z * sin_rotation_, v.y, v.x * sin_rotation_ + v.z * cos_rotation_};
+  }
   void build_distribution();
 
   int width_ = 0;

@@ -1,6 +1,5 @@
 #include "path/geometry.h"
 
-#include <bit>
 #include <map>
 
 #include "base/error.h"
@@ -299,8 +298,13 @@ void Geometry::intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize])
   context.seeds = packet.seeds;
   RTCRayHit16 query;
   alignas(64) int valid[RayPacket::kSize];
+  // Without AVX-512 Embree looks at the numbers of inactive lanes too, so they must be a ray, though an empty one.
+  Ray nowhere;
+  nowhere.origin = vec3(0.0f);
+  nowhere.direction = vec3(0.0f, 0.0f, 1.0f);
+  nowhere.t_max = -kInfinity;
   for (int i = 0; i < RayPacket::kSize; ++i) {
-    const Ray& ray = packet.rays[i];
+    const Ray& ray = packet.active[i] ? packet.rays[i] : nowhere;
     valid[i] = packet.active[i] ? -1 : 0;
     query.ray.org_x[i] = ray.origin.x;
     query.ray.org_y[i] = ray.origin.y;

@@ -302,14 +302,6 @@ LightSample Lights::sample_triangle(const TriangleLight& light, vec3 position, v
   return s;
 }
 
-vec3 Lights::escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint) const {
-  vec3 radiance = environment_.read(footprint).radiance;
-  for (const auto& sun : environment_.suns()) {
-    if (sun.contains(direction)) radiance += sun.radiance;
-  }
-  return radiance;
-}
-
 vec3 Lights::escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint, float bsdf_pdf,
                               const LightChances& chances) const {
   const EnvironmentLight::Value value = environment_.read(footprint);

@@ -59,7 +59,9 @@ class Lights {
   }
 
   /// What a ray sees that hits nothing. `footprint` is environment().locate(direction).
-  vec3 escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint) const;
+  vec3 escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint) const {
+    return environment_.radiance(direction, footprint);
+  }
   vec3 escaped_radiance(vec3 direction) const { return escaped_radiance(direction, environment_.locate(direction)); }
   /// The same for a direction that the material sampled with density `bsdf_pdf` > 0 where the lights had these chances:
   /// each part is weighted against sample().

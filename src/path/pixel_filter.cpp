@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace candela::path {
@@ -10,7 +11,6 @@ namespace {
 
 /// Profile over t in [-1, 1] (t = 1 at the radius).
 double profile(PixelFilter filter, double t) {
-  constexpr double kPiD = 3.14159265358979323846;
   switch (filter) {
     case PixelFilter::box:
       return 1.0;
@@ -19,8 +19,8 @@ double profile(PixelFilter filter, double t) {
       return std::exp(-4.5 * t * t) - std::exp(-4.5);
     // Harris 1978, "On the Use of Windows for Harmonic Analysis", table I, minimum 4-term.
     case PixelFilter::blackman_harris:
-      return 0.35875 + 0.48829 * std::cos(kPiD * t) + 0.14128 * std::cos(2.0 * kPiD * t) +
-             0.01168 * std::cos(3.0 * kPiD * t);
+      return 0.35875 + 0.48829 * std::cos(std::numbers::pi * t) + 0.14128 * std::cos(2.0 * std::numbers::pi * t) +
+             0.01168 * std::cos(3.0 * std::numbers::pi * t);
   }
   return 0.0;
 }

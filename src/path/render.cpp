@@ -11,7 +11,6 @@
 #include "path/camera.h"
 #include "path/integrator.h"
 #include "path/pixel_filter.h"
-#include "path/surface_point.h"
 
 namespace candela::path {
 
