@@ -158,11 +158,6 @@ Material MaterialReader::read() {
   return material_;
 }
 
-std::array<TextureSlot*, 7> slots_of(Material& m) {
-  return {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,        &m.occlusion_texture,
-          &m.emissive_texture,   &m.specular_texture,           &m.specular_color_texture};
-}
-
 Wrap read_wrap(const JsonView& sampler, const char* key, Warnings& warnings) {
   const std::uint64_t value = sampler.whole_or(key, 10497);
   switch (value) {
@@ -212,7 +207,7 @@ ImageSource image_source(const JsonView& json, GltfBuffers& buffers) {
 void gather_textures(const JsonView& root, GltfBuffers& buffers, Warnings& warnings, MaterialSet& set) {
   std::map<int, int> texture_of_file;
   for (Material& material : set.materials) {
-    for (const TextureSlot* slot : slots_of(material)) {
+    for (const TextureSlot* slot : texture_slots(material)) {
       if (*slot) texture_of_file.emplace(slot->texture, 0);
     }
   }
@@ -228,7 +223,7 @@ void gather_textures(const JsonView& root, GltfBuffers& buffers, Warnings& warni
   }
   for (Texture& texture : set.textures) texture.image = image_of_file.at(texture.image);
   for (Material& material : set.materials) {
-    for (TextureSlot* slot : slots_of(material)) {
+    for (TextureSlot* slot : texture_slots(material)) {
       if (*slot) slot->texture = texture_of_file.at(slot->texture);
     }
   }

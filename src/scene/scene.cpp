@@ -73,10 +73,18 @@ void validate_material(const Scene& scene, const Material& m, const std::string&
                               is_finite(m.roughness) && is_finite(m.ior) && is_finite(m.specular) &&
                               is_finite(m.specular_color) && is_finite(m.emission) && is_finite(m.normal_scale) &&
                               is_finite(m.occlusion_strength) && is_finite(m.alpha_cutoff);
-  require(numbers_finite, "a factor is not finite", where);
-  for (const TextureSlot* slot :
-       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.occlusion_texture,
-        &m.emissive_texture, &m.specular_texture, &m.specular_color_texture}) {
+  const bool layers_finite =
+      is_finite(m.clearcoat) && is_finite(m.clearcoat_roughness) && is_finite(m.clearcoat_normal_scale) &&
+      is_finite(m.sheen_color) && is_finite(m.sheen_roughness) && is_finite(m.anisotropy) &&
+      is_finite(m.anisotropy_rotation) && is_finite(m.iridescence) && is_finite(m.iridescence_ior) &&
+      is_finite(m.iridescence_thickness_min_nm) && is_finite(m.iridescence_thickness_max_nm) &&
+      is_finite(m.conductor_n) && is_finite(m.conductor_k);
+  const bool volume_finite = is_finite(m.transmission) && is_finite(m.thickness) && m.attenuation_distance > 0.0f &&
+                             is_finite(m.attenuation_color) && is_finite(m.dispersion) &&
+                             is_finite(m.diffuse_transmission) && is_finite(m.diffuse_transmission_color) &&
+                             is_finite(m.multiscatter_color) && is_finite(m.scatter_anisotropy);
+  require(numbers_finite && layers_finite && volume_finite, "a factor is not finite", where);
+  for (const TextureSlot* slot : texture_slots(m)) {
     require(none_or_in_range(slot->texture, scene.textures.size()), "the texture does not exist", where);
     require(slot->uv_set == 0 || slot->uv_set == 1, "the uv set is neither 0 nor 1", where);
     for (const vec2 column : slot->transform) {

@@ -38,7 +38,8 @@ struct TextureSlot {
 
 enum class AlphaMode { opaque, mask, blend };
 
-/// glTF 2.0 metallic-roughness with KHR_materials_ior, _specular, _emissive_strength, _unlit. Factors are linear.
+/// glTF 2.0 metallic-roughness with every ratified KHR_materials_* extension and the draft volume_scatter. Factors are
+/// linear, in the range their extension gives; each is multiplied by its texture's channel named beside it.
 struct Material {
   std::string name;
   vec3 base_color{1.0f};
@@ -63,7 +64,92 @@ struct Material {
   TextureSlot emissive_texture;        ///< sRGB
   TextureSlot specular_texture;        ///< A
   TextureSlot specular_color_texture;  ///< sRGB
+
+  // KHR_materials_clearcoat
+  float clearcoat = 0.0f;
+  float clearcoat_roughness = 0.0f;
+  float clearcoat_normal_scale = 1.0f;
+  TextureSlot clearcoat_texture;            ///< R
+  TextureSlot clearcoat_roughness_texture;  ///< G
+  TextureSlot clearcoat_normal_texture;     ///< empty = the coat lies on the geometry's normal
+
+  // KHR_materials_sheen
+  vec3 sheen_color{0.0f};
+  float sheen_roughness = 0.0f;
+  TextureSlot sheen_color_texture;      ///< sRGB
+  TextureSlot sheen_roughness_texture;  ///< A
+
+  // KHR_materials_anisotropy
+  float anisotropy = 0.0f;
+  float anisotropy_rotation = 0.0f;  ///< radians, counter-clockwise from the tangent
+  TextureSlot anisotropy_texture;    ///< RG direction in [-1, 1], B strength
+
+  // KHR_materials_iridescence
+  float iridescence = 0.0f;
+  float iridescence_ior = 1.3f;
+  float iridescence_thickness_min_nm = 100.0f;
+  float iridescence_thickness_max_nm = 400.0f;  ///< the thickness without a texture
+  TextureSlot iridescence_texture;              ///< R
+  TextureSlot iridescence_thickness_texture;    ///< G
+
+  // KHR_materials_transmission, _volume, _dispersion
+  float transmission = 0.0f;
+  TextureSlot transmission_texture;  ///< R
+  float thickness = 0.0f;  ///< metres in the mesh's space; 0 = thin-walled. The path tracer takes the true way inside
+  TextureSlot thickness_texture;  ///< G; for the real-time renderer
+  float attenuation_distance = kInfinity;
+  vec3 attenuation_color{1.0f};  ///< what is left of white light after attenuation_distance
+  float dispersion = 0.0f;       ///< 20 / Abbe number
+
+  // KHR_materials_diffuse_transmission
+  float diffuse_transmission = 0.0f;
+  vec3 diffuse_transmission_color{1.0f};
+  TextureSlot diffuse_transmission_texture;        ///< A
+  TextureSlot diffuse_transmission_color_texture;  ///< sRGB
+
+  // KHR_materials_volume_scatter (draft)
+  vec3 multiscatter_color{0.0f};
+  float scatter_anisotropy = 0.0f;  ///< g of Henyey and Greenstein, in (-1, 1)
+
+  // KHR_materials_pbrSpecularGlossiness: base_color is its diffuse colour, specular_color its F0, roughness = 1 -
+  // glossiness; ior is 0 (F90 = 1) and metallic 0. `base_color` and `roughness` are then read as that workflow says.
+  bool specular_glossiness = false;
+  TextureSlot specular_glossiness_texture;  ///< RGB sRGB multiplies specular_color, A multiplies glossiness
+
+  /// A measured metal (extras.candela.conductor): complex index n + ik at the red, green and blue primaries; used for
+  /// the metallic part instead of base_color as F0. k = 0 in every channel: none.
+  vec3 conductor_n{1.0f};
+  vec3 conductor_k{0.0f};
+
+  bool is_conductor() const { return max_component(conductor_k) > 0.0f; }
+  /// Whether light that enters goes through a body (KHR_materials_volume) rather than a sheet.
+  bool has_volume() const { return thickness > 0.0f; }
 };
+
+/// Pointers to every texture slot of a material (const or not), in the order of declaration.
+template <class M>
+auto texture_slots(M& m) {
+  return std::array{&m.base_color_texture,
+                    &m.metallic_roughness_texture,
+                    &m.normal_texture,
+                    &m.occlusion_texture,
+                    &m.emissive_texture,
+                    &m.specular_texture,
+                    &m.specular_color_texture,
+                    &m.clearcoat_texture,
+                    &m.clearcoat_roughness_texture,
+                    &m.clearcoat_normal_texture,
+                    &m.sheen_color_texture,
+                    &m.sheen_roughness_texture,
+                    &m.anisotropy_texture,
+                    &m.iridescence_texture,
+                    &m.iridescence_thickness_texture,
+                    &m.transmission_texture,
+                    &m.thickness_texture,
+                    &m.diffuse_transmission_texture,
+                    &m.diffuse_transmission_color_texture,
+                    &m.specular_glossiness_texture};
+}
 
 /// Triangles with one material. All vertex arrays have the same length or, where optional, are empty.
 struct Primitive {
