@@ -2,7 +2,7 @@
 
 get_property(candela_libraries GLOBAL PROPERTY CANDELA_LIBRARIES)
 install(TARGETS candela_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(TARGETS ${candela_libraries} candela_shade EXPORT candelaTargets
+install(TARGETS ${candela_libraries} EXPORT candelaTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/candela FILES_MATCHING PATTERN "*.h")
 install(EXPORT candelaTargets NAMESPACE candela:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/candela)

@@ -47,7 +47,7 @@ struct MaterialFootprints {
 
 shade::SurfaceParams fetch_params(const MaterialData& material, const MaterialFootprints& at, vec3 base_color) {
   const Material& m = material.factors;
-  shade::SurfaceParams params;
+  shade::SurfaceParams params = shade::surface_params_default();
   params.base_color = base_color;
   params.metallic = m.metallic;
   params.roughness = m.roughness;
@@ -173,7 +173,7 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
     point.emission = m.emission;
     if (material.emissive) point.emission *= vec3(material.emissive.read(at.emissive));
   }
-  point.surface = shade::surface_prepare(fetch_params(material, at, base_color), point.wo.z);
+  point.surface = shade::surface_prepare(fetch_params(material, at, base_color), point.wo);
   return point;
 }
 

@@ -12,6 +12,9 @@
 #define SHADE_END }
 #define SHADE_FN inline
 #define SHADE_CONST constexpr
+// Structs too large to copy: read only, and filled in place.
+#define SHADE_IN(Type) const Type&
+#define SHADE_INOUT(Type) Type&
 
 namespace candela::shade {
 
@@ -56,6 +59,8 @@ using glm::tan;
 #define SHADE_END
 #define SHADE_FN
 #define SHADE_CONST const
+#define SHADE_IN(Type) Type
+#define SHADE_INOUT(Type) inout Type
 #endif
 
 SHADE_BEGIN

@@ -1,0 +1,150 @@
+#ifndef CANDELA_SHADE_SURFACE_BASE_GLSL_H
+#define CANDELA_SHADE_SURFACE_BASE_GLSL_H
+
+#include "shade/diffuse.glsl.h"
+#include "shade/fresnel.glsl.h"
+#include "shade/surface_params.glsl.h"
+
+// Metallic-roughness with KHR_materials_ior and KHR_materials_specular (glTF 2.0 Appendix B and the extensions' own
+// formulas): mix(dielectric, metal, metallic) of whole BRDFs, never of their F0. The BSDF contract is in
+// surface.glsl.h.
+
+SHADE_BEGIN
+
+/// Share of light that facets reflect after several bounces among them, of what single scattering loses. `mean` is the
+/// mean Fresnel reflectance, `albedo` the mean single-scattering albedo of white facets. Kulla & Conty 2017,
+/// "Revisiting Physically Based Shading at Imageworks"; with Hill's correction (2018), which counts the second bounce
+/// as the first.
+SHADE_FN float multiscatter_share(float mean, float albedo) {
+  return mean * mean * albedo / (1.0f - mean * (1.0f - albedo));
+}
+
+SHADE_FN vec3 multiscatter_share3(vec3 mean, float albedo) {
+  return vec3(multiscatter_share(mean.x, albedo), multiscatter_share(mean.y, albedo),
+              multiscatter_share(mean.z, albedo));
+}
+
+/// Cosine-weighted mean of Schlick's curve.
+SHADE_FN vec3 schlick_mean(vec3 f0, float f90) { return f0 + (vec3(f90) - f0) * (1.0f / 21.0f); }
+
+/// Fresnel of both opaque materials, weighted.
+SHADE_FN vec3 base_fresnel(SHADE_IN(Surface) s, float cos_theta) {
+  float w = schlick_weight(cos_theta);
+  vec3 f_dielectric = s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * w;
+  vec3 f_metal = s.f0_metal + (vec3(1.0f) - s.f0_metal) * w;
+  return s.weight_dielectric * f_dielectric + s.weight_metal * f_metal;
+}
+
+/// Share of light that crosses the dielectric boundary at a direction with split-sum terms `ab`: 1 - its albedo.
+SHADE_FN float base_transmission(SHADE_IN(Surface) s, vec2 ab) {
+  return max(1.0f - s.boundary_f0 * ab.x - s.f90_dielectric * ab.y - s.boundary_escape * (1.0f - ab.x - ab.y), 0.0f);
+}
+
+/// Albedo of single scattering of the opaque base at a direction with split-sum terms `ab`.
+SHADE_FN vec3 base_specular_albedo(SHADE_IN(Surface) s, vec2 ab) {
+  vec3 f0 = s.weight_dielectric * s.f0_dielectric + s.weight_metal * s.f0_metal;
+  float f90 = s.weight_dielectric * s.f90_dielectric + s.weight_metal;
+  return f0 * ab.x + vec3(f90 * ab.y);
+}
+
+/// Weights, colours and widths of the base.
+SHADE_FN void base_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
+  s.lobes = p.lobes;
+  s.weight_metal = p.metallic;
+  s.weight_dielectric = 1.0f - p.metallic;
+  s.weight_glass = 0.0f;
+  float f0_ior = p.ior == 0.0f ? 1.0f : f0_from_eta(p.ior);
+  s.f0_dielectric = min(p.specular_color * f0_ior, vec3(1.0f)) * p.specular;
+  s.f90_dielectric = p.specular;
+  s.f0_metal = p.base_color;
+  s.diffuse = p.base_color * s.weight_dielectric;
+  s.roughness = p.roughness;
+  s.alpha = roughness_to_alpha(p.roughness);
+  s.is_mirror = s.alpha < kGgxMirrorAlpha;
+  s.row = table_ggx_roughness(p.roughness);
+}
+
+/// What the base loses and lets through, and the shares of the samples. `ab` are the split-sum terms at wo, `mean`
+/// their cosine-weighted means.
+SHADE_FN void base_energy(vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
+  s.escape_mean = 1.0f - mean.x - mean.y;
+  s.escape_o = 1.0f - ab.x - ab.y;
+
+  // ----- multiple scattering between facets, of each material before they are mixed
+  vec3 share_dielectric = multiscatter_share3(schlick_mean(s.f0_dielectric, s.f90_dielectric), 1.0f - s.escape_mean);
+  vec3 share_metal = multiscatter_share3(schlick_mean(s.f0_metal, 1.0f), 1.0f - s.escape_mean);
+  vec3 share = s.weight_dielectric * share_dielectric + s.weight_metal * share_metal;
+  s.multiscatter = share * (1.0f / (kShadePi * max(s.escape_mean, 1e-6f)));
+
+  // ----- the diffuse layer below the boundary: ρ/π T(wo) T(wi) / T_mean returns exactly what the boundary lets in
+  // (Kelemen & Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model").
+  s.boundary_f0 = shade_max3(s.f0_dielectric);
+  s.boundary_escape = shade_max3(share_dielectric);
+  s.transmission_o = base_transmission(s, ab);
+  s.diffuse_scale = 1.0f / max(base_transmission(s, mean), 1e-6f);
+
+  // ----- chances by estimated albedo
+  float specular = shade_max3(base_specular_albedo(s, ab));
+  float diffuse = shade_max3(s.diffuse) * s.transmission_o + shade_max3(share) * s.escape_o;
+  float total = specular + diffuse;
+  // At least a tenth for whichever lobe exists at all, so that no weight explodes where the estimate is off.
+  float chance = total > 0.0f ? specular / total : 0.0f;
+  if (diffuse > 0.0f && specular > 0.0f) chance = clamp(chance, 0.1f, 0.9f);
+  s.chance_specular = chance;
+  s.chance_diffuse = diffuse > 0.0f ? 1.0f - chance : 0.0f;
+}
+
+SHADE_FN SurfaceEval base_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
+  SurfaceEval r;
+  r.value = vec3(0.0f);
+  r.pdf = 0.0f;
+  if (wo.z <= 0.0f || wi.z <= 0.0f) return r;
+  vec2 ab = table_ggx(wi.z, s.row);
+  float diffuse = s.transmission_o * base_transmission(s, ab) * s.diffuse_scale * (1.0f / kShadePi);
+  r.value = (s.diffuse * diffuse + s.multiscatter * (s.escape_o * (1.0f - ab.x - ab.y))) * wi.z;
+  r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
+  if (!s.is_mirror) {
+    vec3 wm = wo + wi;
+    float cos_m = 0.5f * length(wm);  // = wo·wm = wi·wm, the same from both sides to the last bit
+    wm = wm * (0.5f / cos_m);
+    float d = ggx_d(wm, s.alpha);
+    r.value += base_fresnel(s, cos_m) * (d * ggx_v_smith(wo, wi, s.alpha) * wi.z);
+    r.pdf += s.chance_specular * ggx_pdf_visible(wo, wm, s.alpha);
+  }
+  return r;
+}
+
+SHADE_FN SurfaceSample surface_no_sample(vec3 wo) {
+  SurfaceSample r;
+  r.wi = vec3(-wo.x, -wo.y, wo.z);
+  r.weight = vec3(0.0f);
+  r.pdf = 0.0f;
+  r.is_delta = false;
+  r.is_straight = false;
+  return r;
+}
+
+SHADE_FN SurfaceSample base_sample(SHADE_IN(Surface) s, vec3 wo, vec3 u) {
+  SurfaceSample r = surface_no_sample(wo);
+  if (u.z < s.chance_specular) {
+    if (s.is_mirror) {
+      r.weight = base_fresnel(s, wo.z) * (1.0f / s.chance_specular);
+      r.pdf = s.chance_specular;
+      r.is_delta = true;
+      return r;
+    }
+    r.wi = microfacet_reflect(wo, ggx_sample_visible(wo, s.alpha, vec2(u.x, u.y)));
+  } else {
+    r.wi = cosine_sample(vec2(u.x, u.y));
+  }
+  SurfaceEval e = base_eval(s, wo, r.wi);
+  if (e.pdf > 0.0f) {
+    r.weight = e.value * (1.0f / e.pdf);
+    r.pdf = e.pdf;
+  }
+  return r;
+}
+
+SHADE_END
+
+#endif

@@ -1,0 +1,601 @@
+#ifndef CANDELA_SHADE_SURFACE_LAYERS_GLSL_H
+#define CANDELA_SHADE_SURFACE_LAYERS_GLSL_H
+
+#include "shade/surface_base.glsl.h"
+#include "shade/surface_terms.glsl.h"
+
+// The base with what may lie above and below it:
+//
+//     coat ─ sheen ─ base = metallic · metal + (1 - metallic) · (transmission · glass + (1 - transmission) · opaque)
+//
+// Every weight mixes whole BSDFs, each of which keeps energy by itself. A layer dims a lobe below it by a factor of
+// each direction, s(wo) s(wi), so that reciprocity holds; s is such that a white lobe returns just what the layer lets
+// through (docs/theory/layers.md).
+
+SHADE_BEGIN
+
+// ----- what a layer lets through
+
+/// Coat and sheen seen at one direction: albedos at weight 1, and how they dim the base's specular lobe.
+struct LayersAt {
+  float coat_albedo;
+  float sheen_albedo;
+  float sheen_scale;  ///< of the sheen lobe itself
+  vec3 coat_over;     ///< see table_over
+  vec3 sheen_over;
+};
+
+SHADE_FN float layers_coat_cosine(SHADE_IN(Surface) s, vec3 w) { return abs(dot(s.coat_normal, w)); }
+
+SHADE_FN float layers_coat_albedo(SHADE_IN(Surface) s, vec2 ab) {
+  return kCoatF0 * ab.x + ab.y + s.coat_escape_share * (1.0f - ab.x - ab.y);
+}
+
+/// At cosines to the coat's normal and to the base's.
+SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, float coat_mu, float mu) {
+  LayersAt at;
+  at.coat_albedo = 0.0f;
+  at.sheen_albedo = 0.0f;
+  at.sheen_scale = 1.0f;
+  at.coat_over = vec3(1.0f);
+  at.sheen_over = vec3(1.0f);
+  if ((s.lobes & kLobeClearcoat) != 0) {
+    at.coat_albedo = layers_coat_albedo(s, table_ggx(coat_mu, s.coat_row));
+    at.coat_over = table_coat_over(coat_mu, s.roughness, s.coat_roughness, at.coat_albedo);
+  }
+  if ((s.lobes & kLobeSheen) != 0) {
+    at.sheen_albedo = table_sheen(mu, s.sheen_roughness);
+    at.sheen_scale = s.model.literal_layers ? 1.0f : table_sheen_scale(mu, s.sheen_roughness);
+    at.sheen_over = table_sheen_over(mu, s.roughness, s.sheen_roughness, at.sheen_albedo);
+  }
+  return at;
+}
+
+SHADE_FN LayersAt layers_at(SHADE_IN(Surface) s, vec3 w) {
+  return layers_at_cosines(s, layers_coat_cosine(s, w), abs(w.z));
+}
+
+/// Share of light that reaches the base.
+SHADE_FN float layers_through(SHADE_IN(Surface) s, float coat_albedo, float sheen_albedo) {
+  return (1.0f - s.coat * coat_albedo) * (1.0f - s.sheen_weight * sheen_albedo);
+}
+
+/// Factor of the base's specular lobe from wo to the direction that `at` belongs to.
+SHADE_FN float layers_over(SHADE_IN(Surface) s, LayersAt at) {
+  if (s.model.literal_layers) return s.coat_over_o * s.sheen_over_o;
+  return (1.0f - s.coat + s.coat * s.coat_over_o * at.coat_over.x) *
+         (1.0f - s.sheen_weight + s.sheen_weight * s.sheen_over_o * at.sheen_over.x);
+}
+
+/// Factor of light that goes through the whole of a sheet or into a body.
+SHADE_FN float layers_across(SHADE_IN(Surface) s, LayersAt at) {
+  if (s.model.literal_layers) return s.coat_over_o * s.sheen_over_o;
+  float o = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
+  return sqrt(max(o * layers_through(s, at.coat_albedo, at.sheen_albedo), 0.0f));
+}
+
+/// What the diffuse layer gets below a boundary with split-sum terms `ab` and one layer of weight `w` and albedo `e`: 1
+/// less what the layer reflects and what the boundary reflects through it.
+SHADE_FN float layers_below_one(SHADE_IN(Surface) s, float w, float e, vec3 over, vec2 ab) {
+  float bare = 1.0f - base_transmission(s, ab);
+  float covered =
+      s.boundary_f0 * over.y + s.f90_dielectric * over.z + s.boundary_escape * max(1.0f - e - over.y - over.z, 0.0f);
+  return max(1.0f - w * e - (1.0f - w) * bare - w * covered, 0.0f);
+}
+
+/// Transmission of everything above the diffuse layer.
+SHADE_FN float layers_transmission(SHADE_IN(Surface) s, LayersAt at, vec2 ab) {
+  float t = base_transmission(s, ab);
+  float below_coat = s.coat > 0.0f ? layers_below_one(s, s.coat, at.coat_albedo, at.coat_over, ab) : t;
+  float below_sheen =
+      s.sheen_weight > 0.0f ? layers_below_one(s, s.sheen_weight, at.sheen_albedo, at.sheen_over, ab) : t;
+  return t > 0.0f ? below_coat * below_sheen / t : 0.0f;
+}
+
+// ----- preparation
+
+/// Matter: colours, films, widths. Between base_matter and base_energy.
+SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
+  s.model = p.model;
+  s.coat = 0.0f;
+  s.sheen_weight = 0.0f;
+  s.sheen = vec3(0.0f);
+  s.coat_multiscatter = 0.0f;
+  s.alpha_x = s.alpha;
+  s.alpha_y = s.alpha;
+  s.iridescence = (p.lobes & kLobeIridescence) != 0 && p.film_nm > 0.0f ? p.iridescence : 0.0f;
+  s.is_thin = true;
+  s.eta = 1.5f;
+  s.diffuse_below = vec3(0.0f);
+
+  if ((p.lobes & kLobeAnisotropy) != 0 && p.anisotropy > 0.0f) {
+    // KHR_materials_anisotropy: the direction of the texture is the rougher one.
+    s.alpha_x = max(mix(s.alpha, 1.0f, shade_sqr(p.anisotropy)), kGgxMirrorAlpha);
+    s.alpha_y = max(s.alpha, kGgxMirrorAlpha);
+    s.is_mirror = false;
+    s.roughness = sqrt(sqrt(s.alpha_x * s.alpha_y));
+    s.row = table_ggx_roughness(s.roughness);
+  }
+
+  if ((p.lobes & kLobeConductor) != 0) {
+    s.conductor_n = p.conductor_n;
+    s.conductor_k = p.conductor_k;
+    s.f0_metal = min(fresnel_conductor3(1.0f, p.conductor_n, p.conductor_k), vec3(1.0f));
+  }
+
+  if ((p.lobes & kLobeTransmission) != 0) {
+    s.is_thin = p.is_thin;
+    s.eta = p.is_thin ? max(p.ior, 1.0f) : p.eta;
+    s.weight_glass = s.weight_dielectric * p.transmission;
+    s.weight_dielectric = s.weight_dielectric - s.weight_glass;
+    s.diffuse = s.diffuse * (1.0f - p.transmission);
+    s.glass_f0 = p.ior == 0.0f ? 1.0f : f0_from_eta(s.eta);
+    s.glass_f0_tinted = min(p.specular_color * s.glass_f0, vec3(1.0f)) * p.specular;
+    // A body is crossed at two of its boundaries: each takes half of the colour.
+    s.glass_tint = p.is_thin ? p.base_color : sqrt(p.base_color);
+    s.is_glass_delta = s.is_mirror || (!p.is_thin && abs(s.eta - 1.0f) < 1e-3f);
+  } else {
+    s.is_glass_delta = true;
+    s.glass_f0 = 0.0f;
+    s.glass_f0_tinted = vec3(0.0f);
+    s.glass_tint = vec3(0.0f);
+  }
+
+  if ((p.lobes & kLobeDiffuseTransmission) != 0) {
+    s.diffuse_below =
+        p.diffuse_transmission_color * (p.diffuse_transmission * (1.0f - p.metallic) *
+                                        ((p.lobes & kLobeTransmission) != 0 ? 1.0f - p.transmission : 1.0f));
+    s.diffuse = s.diffuse * (1.0f - p.diffuse_transmission);
+  }
+
+  s.film_ior = p.film_ior;
+  s.film_nm = p.film_nm;
+  s.film_f0_dielectric = s.f0_dielectric;
+  s.film_f0_metal = s.f0_metal;
+  s.f82_tint = min(p.specular_color, vec3(1.0f));
+  if (s.iridescence > 0.0f) {
+    // For the albedo tables; the lobe itself has the whole curve.
+    s.f0_dielectric = mix(s.f0_dielectric, terms_film(s, 1.0f, s.film_f0_dielectric), s.iridescence);
+    s.f0_metal = mix(s.f0_metal, terms_film(s, 1.0f, s.film_f0_metal), s.iridescence);
+  }
+}
+
+/// Split-sum terms at w. Of an anisotropic lobe: its own loss, and B by its width along w.
+SHADE_FN vec2 layers_ggx(SHADE_IN(Surface) s, vec3 w) {
+  float mu = abs(w.z);
+  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx(mu, s.row);
+  float across2 = max(w.x * w.x + w.y * w.y, 1e-12f);
+  float cos2 = w.x * w.x / across2;
+  float a2 = mix(s.alpha_y * s.alpha_y, s.alpha_x * s.alpha_x, cos2);
+  float b = table_ggx(mu, table_ggx_roughness(sqrt(sqrt(a2)))).y;
+  float albedo = 1.0f - table_anisotropic(mu, cos2, sqrt(s.alpha_x), sqrt(s.alpha_y));
+  b = min(b, albedo);
+  return vec2(albedo - b, b);
+}
+
+/// Their cosine-weighted means.
+SHADE_FN vec2 layers_ggx_mean(SHADE_IN(Surface) s) {
+  vec2 mean = table_ggx_mean(s.row);
+  if ((s.lobes & kLobeAnisotropy) == 0) return mean;
+  float albedo = 1.0f - table_anisotropic_mean(sqrt(s.alpha_x), sqrt(s.alpha_y));
+  float b = min(mean.y, albedo);
+  return vec2(albedo - b, b);
+}
+
+SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surface) s) {
+  s.coat_roughness = p.clearcoat_roughness;
+  s.coat_alpha = roughness_to_alpha(p.clearcoat_roughness);
+  s.is_coat_mirror = s.coat_alpha < kGgxMirrorAlpha;
+  s.coat_normal = p.clearcoat_normal;
+  s.coat = dot(s.coat_normal, wo) > 1e-4f ? p.clearcoat : 0.0f;
+  s.coat_row = table_ggx_roughness(s.coat_roughness);
+  vec2 mean = table_ggx_mean(s.coat_row);
+  float escape_mean = 1.0f - mean.x - mean.y;
+  float share =
+      s.model.multiscatter ? multiscatter_share(kCoatF0 + (1.0f - kCoatF0) * (1.0f / 21.0f), 1.0f - escape_mean) : 0.0f;
+  s.coat_escape_share = share;
+  s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
+  vec2 ab = table_ggx(layers_coat_cosine(s, wo), s.coat_row);
+  s.coat_escape_o = 1.0f - ab.x - ab.y;
+}
+
+SHADE_FN void layers_prepare_sheen(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
+  s.sheen = p.sheen_color;
+  s.sheen_roughness = max(p.sheen_roughness, kSheenLeastRoughness);
+  s.sheen_alpha = sheen_alpha(p.sheen_roughness);
+  s.sheen_weight = shade_max3(p.sheen_color);
+}
+
+/// Multiple scattering of a rough boundary between two transparent media, or within a sheet. What single scattering
+/// loses at wo leaves on either side: it has forgotten where it came from, so that the sides share it as n² (1 -
+/// albedo), which is also what reciprocity asks for. Kulla & Conty 2017, p. 20, with that choice for the free
+/// parameter.
+SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
+  s.glass_escape_o = 0.0f;
+  s.glass_multireflect = 0.0f;
+  s.glass_multitransmit = vec3(0.0f);
+  if (s.is_glass_delta || !s.model.multiscatter) return;
+  if (s.is_thin) {
+    float reflected = shade_max3(fresnel_average_schlick(s.glass_f0_tinted, vec3(s.f90_dielectric)));
+    float scale = s.weight_glass / (kShadePi * max(s.escape_mean, 1e-6f));
+    s.glass_escape_o = s.escape_o;
+    s.glass_multireflect = reflected * scale;
+    s.glass_multitransmit = s.glass_tint * ((1.0f - reflected) * scale);
+    return;
+  }
+  float here = max(1.0f - table_glass_mean(s.roughness, s.eta), 1e-6f);
+  float there = max(1.0f - table_glass_mean(s.roughness, 1.0f / s.eta), 1e-6f);
+  float n2 = s.eta * s.eta;
+  float through = there * n2 / (here + there * n2);
+  s.glass_escape_o = 1.0f - table_glass(wo.z, s.roughness, s.eta);
+  s.glass_multireflect = s.weight_glass * (1.0f - through) / (kShadePi * here);
+  s.glass_multitransmit = s.glass_tint * (s.weight_glass * through / (kShadePi * there * n2));
+}
+
+/// Mean of the transmission of boundary, sheen and coat together, over the cosine-weighted hemisphere: Gauss's rule
+/// (Abramowitz & Stegun 1964, 25.4.30) with five points in x = √µ, 2µ dµ = 4x³ dx.
+SHADE_FN float layers_transmission_mean(SHADE_IN(Surface) s) {
+  float sum = 0.0f;
+  for (int i = 0; i < 5; ++i) {
+    float t = i == 0 ? 0.0469100770f : i == 1 ? 0.2307653449f : i == 2 ? 0.5f : i == 3 ? 0.7692346551f : 0.9530899230f;
+    float weight = i == 0 || i == 4 ? 0.1184634425f : i == 2 ? 0.2844444444f : 0.2393143352f;
+    float mu = t * t;
+    sum += weight * 4.0f * t * mu * layers_transmission(s, layers_at_cosines(s, mu, mu), table_ggx(mu, s.row));
+  }
+  return sum;
+}
+
+/// How the lobes share the samples, by what each is estimated to reflect.
+SHADE_FN void layers_chances(vec2 ab, SHADE_INOUT(Surface) s) {
+  float specular = shade_max3(base_specular_albedo(s, ab));
+  float lost = kShadePi * s.escape_mean * s.escape_o;
+  float diffuse = shade_max3(s.diffuse) * s.transmission_o + shade_max3(s.multiscatter) * lost;
+  float below = shade_max3(s.diffuse_below) * s.transmission_o;
+  float glass = s.weight_glass;
+  if (glass > 0.0f) {
+    // Both are at most the weight of the glass.
+    float share = s.glass_escape_o * s.weight_glass;
+    if (s.glass_multireflect > 0.0f) diffuse += 0.5f * share;
+    if (shade_max3(s.glass_multitransmit) > 0.0f) below += 0.5f * share;
+  }
+  float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
+  float sheen = s.sheen_weight * s.sheen_albedo_o;
+  float coat = s.coat * s.coat_albedo_o;
+  if (s.coat * s.coat_multiscatter > 0.0f) diffuse += s.coat * s.coat_escape_share * s.coat_escape_o;
+  if (s.model.distribution == kDistributionCharlie) {
+    diffuse += specular;
+    specular = 0.0f;
+  }
+  specular *= through;
+  glass *= through;
+  float total = specular + diffuse + below + glass + sheen + coat;
+  // A twentieth at least for whatever exists.
+  float least = 0.05f * total;
+  s.chance_specular = specular > 0.0f ? max(specular, least) : 0.0f;
+  s.chance_diffuse = diffuse > 0.0f ? max(diffuse, least) : 0.0f;
+  s.chance_diffuse_below = below > 0.0f ? max(below, least) : 0.0f;
+  s.chance_glass = glass > 0.0f ? max(glass, least) : 0.0f;
+  s.chance_sheen = sheen > 0.0f ? max(sheen, least) : 0.0f;
+  s.chance_coat = coat > 0.0f ? max(coat, least) : 0.0f;
+  float sum =
+      s.chance_specular + s.chance_diffuse + s.chance_diffuse_below + s.chance_glass + s.chance_sheen + s.chance_coat;
+  float scale = sum > 0.0f ? 1.0f / sum : 0.0f;
+  s.chance_specular *= scale;
+  s.chance_diffuse *= scale;
+  s.chance_diffuse_below *= scale;
+  s.chance_glass *= scale;
+  s.chance_sheen *= scale;
+  s.chance_coat *= scale;
+}
+
+/// After base_energy: the layers, and with them the shares of light and samples.
+SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
+  if (!s.model.multiscatter) s.multiscatter = vec3(0.0f);
+  if ((s.lobes & kLobeClearcoat) != 0) layers_prepare_coat(p, wo, s);
+  if ((s.lobes & kLobeSheen) != 0) layers_prepare_sheen(p, s);
+  layers_prepare_glass(wo, s);
+
+  LayersAt at = layers_at(s, wo);
+  s.coat_albedo_o = at.coat_albedo;
+  s.sheen_albedo_o = at.sheen_albedo;
+  s.sheen_scale_o = at.sheen_scale;
+  s.coat_over_o = at.coat_over.x;
+  s.sheen_over_o = at.sheen_over.x;
+  if (s.model.literal_layers) {
+    // KHR_materials_clearcoat and _sheen as printed: by the view alone.
+    s.coat_over_o = 1.0f - s.coat * terms_coat_fresnel(layers_coat_cosine(s, wo));
+    s.sheen_over_o = 1.0f - s.sheen_weight * at.sheen_albedo;
+  } else if ((s.lobes & (kLobeSheen | kLobeClearcoat)) != 0) {
+    s.transmission_o = layers_transmission(s, at, ab);
+    s.diffuse_scale = 1.0f / max(layers_transmission_mean(s), 1e-6f);
+  }
+  layers_chances(ab, s);
+}
+
+SHADE_FN bool layers_is_delta(SHADE_IN(Surface) s) {
+  return s.chance_diffuse <= 0.0f && s.chance_diffuse_below <= 0.0f && s.chance_sheen <= 0.0f &&
+         (s.chance_specular <= 0.0f || s.is_mirror) && (s.chance_glass <= 0.0f || s.is_glass_delta) &&
+         (s.chance_coat <= 0.0f || s.is_coat_mirror);
+}
+
+SHADE_FN bool layers_scatters_through(SHADE_IN(Surface) s) {
+  return s.chance_diffuse_below > 0.0f || (s.chance_glass > 0.0f && !s.is_glass_delta);
+}
+
+// ----- the coat's frame
+
+/// Tangent of a frame around n. Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+SHADE_FN vec3 shade_tangent(vec3 n) {
+  float sgn = n.z < 0.0f ? -1.0f : 1.0f;
+  float a = -1.0f / (sgn + n.z);
+  return vec3(1.0f + sgn * n.x * n.x * a, sgn * n.x * n.y * a, -sgn * n.x);
+}
+
+SHADE_FN vec3 layers_to_coat(SHADE_IN(Surface) s, vec3 w) {
+  vec3 t = shade_tangent(s.coat_normal);
+  return vec3(dot(w, t), dot(w, cross(s.coat_normal, t)), dot(w, s.coat_normal));
+}
+
+SHADE_FN vec3 layers_from_coat(SHADE_IN(Surface) s, vec3 w) {
+  vec3 t = shade_tangent(s.coat_normal);
+  return t * w.x + cross(s.coat_normal, t) * w.y + s.coat_normal * w.z;
+}
+
+// ----- evaluation
+
+/// What the diffuse layer gets of the light, by the model's blend.
+SHADE_FN float layers_diffuse_share(SHADE_IN(Surface) s, vec3 wo, float cos_m, LayersAt at, vec2 ab) {
+  if (s.model.blend == kBlendAlbedo) return s.transmission_o * layers_transmission(s, at, ab) * s.diffuse_scale;
+  float share = layers_across(s, at);
+  if (s.model.blend == kBlendHalfVector) share *= 1.0f - shade_max3(terms_fresnel_dielectric(s, cos_m));
+  if (s.model.blend == kBlendView) share *= 1.0f - shade_max3(terms_fresnel_dielectric(s, wo.z));
+  return share;
+}
+
+/// The coat: value and density.
+SHADE_FN SurfaceEval layers_eval_coat(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
+  SurfaceEval r;
+  r.value = vec3(0.0f);
+  r.pdf = 0.0f;
+  vec3 o = layers_to_coat(s, wo);
+  vec3 i = layers_to_coat(s, wi);
+  if (o.z <= 0.0f || i.z <= 0.0f) return r;
+  vec2 ab = table_ggx(i.z, s.coat_row);
+  float f = s.coat_multiscatter * s.coat_escape_o * (1.0f - ab.x - ab.y);
+  if (!s.is_coat_mirror) {
+    vec3 wm = o + i;
+    float cos_m = 0.5f * length(wm);
+    wm = wm * (0.5f / cos_m);
+    f += terms_coat_fresnel(cos_m) * ggx_d(wm, s.coat_alpha) * ggx_v_smith(o, i, s.coat_alpha);
+    r.pdf = ggx_pdf_visible(o, wm, s.coat_alpha);
+  }
+  r.value = vec3(s.coat * f * i.z);
+  return r;
+}
+
+/// The sheen below a coat.
+SHADE_FN vec3 layers_eval_sheen(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
+  vec3 wm = normalize(wo + wi);
+  float share =
+      s.model.literal_layers ? s.coat_over_o : (1.0f - s.coat * s.coat_albedo_o) * (1.0f - s.coat * at.coat_albedo);
+  share *= s.sheen_scale_o * at.sheen_scale;
+  return s.sheen * (share * charlie_d(wm, s.sheen_alpha) * charlie_v(wo, wi, s.sheen_alpha) * wi.z);
+}
+
+SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
+  SurfaceEval r;
+  vec3 wm = wo + wi;
+  float cos_m = 0.5f * length(wm);
+  wm = wm * (0.5f / cos_m);
+  vec2 ab = layers_ggx(s, wi);
+  float escape = 1.0f - ab.x - ab.y;
+  float over = layers_over(s, at);
+
+  // ----- diffuse, and what scatters many times between facets
+  vec3 lost = s.multiscatter * (s.escape_o * escape);
+  r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
+  r.value = lost * over;
+  if (s.weight_glass > 0.0f) {
+    float glass_escape = s.is_thin || s.is_glass_delta ? escape : 1.0f - table_glass(wi.z, s.roughness, s.eta);
+    r.value += vec3(s.glass_multireflect * s.glass_escape_o * glass_escape * over);
+  }
+  r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, cos_m, at, ab);
+
+  // ----- facets
+  if (!s.is_mirror) {
+    float density = terms_pdf_visible(s, wo, wm);
+    vec3 f = terms_fresnel_opaque(s, cos_m);
+    r.pdf += s.chance_specular * density;
+    if (s.weight_glass > 0.0f && !s.is_glass_delta) {
+      vec3 glass = terms_fresnel_glass(s, cos_m);
+      f += s.weight_glass * glass;
+      r.pdf += s.chance_glass * terms_glass_chance(glass, s.glass_tint) * density;
+    }
+    r.value += f * (terms_dv(s, wo, wi, wm) * over);
+  }
+  r.value = r.value * wi.z;
+
+  // ----- layers
+  if (s.sheen_weight > 0.0f) {
+    r.value += layers_eval_sheen(s, wo, wi, at);
+    r.pdf += s.chance_sheen * (0.5f / kShadePi);
+  }
+  if (s.coat > 0.0f) {
+    SurfaceEval coat = layers_eval_coat(s, wo, wi);
+    r.value += coat.value;
+    r.pdf += s.chance_coat * coat.pdf;
+  }
+  return r;
+}
+
+/// Light from the other side: wi.z < 0.
+SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
+  SurfaceEval r;
+  float cos_i = -wi.z;
+  vec2 ab = layers_ggx(s, wi);
+  float across = layers_across(s, at);
+  r.pdf = s.chance_diffuse_below * cosine_pdf(cos_i);
+  r.value = s.diffuse_below *
+            (s.transmission_o * layers_transmission(s, at, ab) * s.diffuse_scale * (cos_i * (1.0f / kShadePi)));
+  if (s.weight_glass <= 0.0f || s.is_glass_delta) return r;
+
+  float escape = s.is_thin ? 1.0f - ab.x - ab.y : 1.0f - table_glass(cos_i, s.roughness, 1.0f / s.eta);
+  r.value += s.glass_multitransmit * (s.glass_escape_o * escape * cos_i * across);
+
+  if (s.is_thin) {
+    // As if reflected, then turned to the other side (KHR_materials_transmission).
+    vec3 mirrored = vec3(wi.x, wi.y, cos_i);
+    vec3 wm = wo + mirrored;
+    float cos_m = 0.5f * length(wm);
+    wm = wm * (0.5f / cos_m);
+    vec3 f = terms_fresnel_glass(s, cos_m);
+    r.value += s.glass_tint * (vec3(1.0f) - f) * (s.weight_glass * terms_dv(s, wo, mirrored, wm) * cos_i * across);
+    r.pdf += s.chance_glass * (1.0f - terms_glass_chance(f, s.glass_tint)) * terms_pdf_visible(s, wo, wm);
+    return r;
+  }
+
+  // ----- Walter et al. 2007, eq. 21, over η² because radiance is what camera paths carry
+  vec3 wm = microfacet_half_refract(wo, wi, s.eta);
+  float cos_o = dot(wo, wm);
+  float cos_t = dot(wi, wm);
+  if (cos_o <= 0.0f || cos_t >= 0.0f) return r;
+  vec3 f = terms_fresnel_glass(s, cos_o);
+  float jacobian = microfacet_refract_jacobian(cos_o, cos_t, s.eta);
+  float dg = 4.0f * terms_dv(s, wo, vec3(wi.x, wi.y, cos_i), wm) * cos_i * cos_o;  // D G (wo·wm) / wo.z
+  r.value += s.glass_tint * (vec3(1.0f) - f) * (s.weight_glass * dg * jacobian * across / (s.eta * s.eta));
+  r.pdf += s.chance_glass * (1.0f - terms_glass_chance(f, s.glass_tint)) *
+           (4.0f * cos_o * terms_pdf_visible(s, wo, wm) * jacobian);
+  return r;
+}
+
+SHADE_FN SurfaceEval layers_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
+  SurfaceEval r;
+  r.value = vec3(0.0f);
+  r.pdf = 0.0f;
+  if (wo.z <= 0.0f || wi.z == 0.0f) return r;
+  bool is_below = wi.z < 0.0f;
+  if (is_below && (s.lobes & (kLobeTransmission | kLobeDiffuseTransmission)) == 0) return r;
+  LayersAt at = layers_at(s, wi);
+  if (is_below) return layers_eval_below(s, wo, wi, at);
+  return layers_eval_above(s, wo, wi, at);
+}
+
+// ----- sampling
+
+/// Weight over its chance of the delta lobe that goes straight through a smooth sheet.
+SHADE_FN vec3 layers_straight(SHADE_IN(Surface) s, vec3 wo) {
+  if (!s.is_thin || !s.is_mirror || s.weight_glass <= 0.0f) return vec3(0.0f);
+  float across =
+      s.model.literal_layers ? s.coat_over_o * s.sheen_over_o : layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
+  return s.glass_tint * (vec3(1.0f) - terms_fresnel_glass(s, wo.z)) * (s.weight_glass * across);
+}
+
+/// `u` chooses between reflection and refraction at a smooth boundary.
+SHADE_FN SurfaceSample layers_sample_glass_delta(SHADE_IN(Surface) s, vec3 wo, float u) {
+  SurfaceSample r = surface_no_sample(wo);
+  r.is_delta = true;
+  vec3 f = terms_fresnel_glass(s, wo.z);
+  float reflected = terms_glass_chance(f, s.glass_tint);
+  if (u < reflected) {
+    LayersAt at = layers_at(s, r.wi);
+    r.pdf = s.chance_glass * reflected;
+    r.weight = f * (s.weight_glass * layers_over(s, at) / r.pdf);
+    return r;
+  }
+  r.pdf = s.chance_glass * (1.0f - reflected);
+  if (s.is_thin) {
+    r.wi = -wo;
+    r.is_straight = true;
+    r.weight = layers_straight(s, wo) * (1.0f / r.pdf);
+    return r;
+  }
+  float eta = abs(s.eta - 1.0f) < 1e-3f ? 1.0f : s.eta;
+  r.wi = microfacet_refract(wo, vec3(0.0f, 0.0f, 1.0f), eta);
+  if (r.wi.z >= 0.0f) {
+    r.wi = vec3(-wo.x, -wo.y, wo.z);
+    r.pdf = 0.0f;
+    return r;
+  }
+  LayersAt at = layers_at(s, r.wi);
+  r.weight = s.glass_tint * (vec3(1.0f) - f) * (s.weight_glass * layers_across(s, at) / (r.pdf * eta * eta));
+  return r;
+}
+
+/// A direction of the rough glass lobe; wi.z = 0 where there is none.
+SHADE_FN vec3 layers_direction_glass(SHADE_IN(Surface) s, vec3 wo, vec2 u, float u_side) {
+  vec3 wm = terms_sample_visible(s, wo, u);
+  vec3 reflected = microfacet_reflect(wo, wm);
+  vec3 f = terms_fresnel_glass(s, dot(wo, wm));
+  if (u_side < terms_glass_chance(f, s.glass_tint)) return reflected.z > 0.0f ? reflected : vec3(0.0f);
+  if (s.is_thin) return reflected.z > 0.0f ? vec3(reflected.x, reflected.y, -reflected.z) : vec3(0.0f);
+  vec3 refracted = microfacet_refract(wo, wm, s.eta);
+  return refracted.z < 0.0f ? refracted : vec3(0.0f);
+}
+
+SHADE_FN vec3 uniform_hemisphere_sample(vec2 u) {
+  float r = sqrt(max(1.0f - u.x * u.x, 0.0f));
+  float phi = 2.0f * kShadePi * u.y;
+  return vec3(r * cos(phi), r * sin(phi), u.x);
+}
+
+SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, vec3 u) {
+  SurfaceSample r = surface_no_sample(wo);
+  vec2 u2 = vec2(u.x, u.y);
+  vec3 wi = vec3(0.0f);
+  float at = s.chance_specular;
+  if (u.z < at) {
+    if (s.is_mirror) {
+      r.is_delta = true;
+      r.pdf = s.chance_specular;
+      r.weight = terms_fresnel_opaque(s, wo.z) * (layers_over(s, layers_at(s, r.wi)) / r.pdf);
+      return r;
+    }
+    wi = microfacet_reflect(wo, terms_sample_visible(s, wo, u2));
+    if (wi.z <= 0.0f) return r;
+  } else if (u.z < at + s.chance_glass) {
+    float u_side = (u.z - at) / s.chance_glass;
+    if (s.is_glass_delta) return layers_sample_glass_delta(s, wo, u_side);
+    wi = layers_direction_glass(s, wo, u2, u_side);
+  } else if (u.z < at + s.chance_glass + s.chance_coat) {
+    if (s.is_coat_mirror) {
+      vec3 o = layers_to_coat(s, wo);
+      wi = layers_from_coat(s, vec3(-o.x, -o.y, o.z));
+      if (wi.z <= 0.0f) return r;
+      r.wi = wi;
+      r.is_delta = true;
+      r.pdf = s.chance_coat;
+      // The cosine cancels, so that no other normal's enters.
+      r.weight = vec3(s.coat * terms_coat_fresnel(o.z) / r.pdf);
+      return r;
+    }
+    vec3 o = layers_to_coat(s, wo);
+    wi = layers_from_coat(s, microfacet_reflect(o, ggx_sample_visible(o, s.coat_alpha, u2)));
+    if (wi.z <= 0.0f) return r;
+  } else if (u.z < at + s.chance_glass + s.chance_coat + s.chance_sheen) {
+    wi = uniform_hemisphere_sample(u2);
+  } else if (u.z < at + s.chance_glass + s.chance_coat + s.chance_sheen + s.chance_diffuse_below) {
+    wi = cosine_sample(u2);
+    wi.z = -wi.z;
+  } else {
+    wi = cosine_sample(u2);
+  }
+  if (wi.z == 0.0f) return r;
+  SurfaceEval e = layers_eval(s, wo, wi);
+  if (e.pdf > 0.0f) {
+    r.wi = wi;
+    r.weight = e.value * (1.0f / e.pdf);
+    r.pdf = e.pdf;
+  }
+  return r;
+}
+
+/// Estimated albedo of everything; `specular` that of the base's facets.
+SHADE_FN vec3 layers_albedo(SHADE_IN(Surface) s, vec3 specular) {
+  float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
+  return (s.diffuse + s.diffuse_below) * s.transmission_o + (specular + s.glass_tint * s.weight_glass) * through +
+         s.sheen * s.sheen_albedo_o + vec3(s.coat * s.coat_albedo_o);
+}
+
+SHADE_END
+
+#endif

@@ -1,0 +1,181 @@
+#ifndef CANDELA_SHADE_SURFACE_PARAMS_GLSL_H
+#define CANDELA_SHADE_SURFACE_PARAMS_GLSL_H
+
+#include "shade/model.glsl.h"
+#include "shade/surface_constants.glsl.h"
+#include "shade/tables.glsl.h"
+
+SHADE_BEGIN
+
+// What a material uses beyond metallic-roughness with ior and specular. A set of these bits is known per material; what
+// is absent costs nothing.
+SHADE_CONST int kLobeModel = 1;  // terms other than the default ones
+SHADE_CONST int kLobeAnisotropy = 2;
+SHADE_CONST int kLobeIridescence = 4;
+SHADE_CONST int kLobeConductor = 8;  // measured metal
+SHADE_CONST int kLobeTransmission = 16;
+SHADE_CONST int kLobeDiffuseTransmission = 32;
+SHADE_CONST int kLobeSheen = 64;
+SHADE_CONST int kLobeClearcoat = 128;
+
+/// What textures and factors say at one point, before any physics. Linear Rec.709.
+struct SurfaceParams {
+  int lobes;  ///< kLobe… bits; fields of lobes that are absent are not read
+  vec3 base_color;
+  float metallic;
+  float roughness;
+  float ior;  ///< 0 = the specification's compatibility mode with F0 = F90 = 1
+  float specular;
+  vec3 specular_color;
+  ShadingModel model;
+
+  float anisotropy;  ///< strength; the frame's x axis is the direction in which the lobe is wide
+
+  float iridescence;
+  float film_ior;
+  float film_nm;  ///< thickness
+
+  vec3 conductor_n;
+  vec3 conductor_k;
+
+  float transmission;
+  bool is_thin;  ///< a sheet: light leaves where it enters, unbent
+  float eta;     ///< n on the far side / n on the viewer's side; of a body that transmits
+
+  float diffuse_transmission;
+  vec3 diffuse_transmission_color;
+
+  vec3 sheen_color;
+  float sheen_roughness;
+
+  float clearcoat;
+  float clearcoat_roughness;
+  vec3 clearcoat_normal;  ///< local
+};
+
+/// The closure: what eval, sample and pdf need, computed once per hit for one viewing direction.
+struct Surface {
+  int lobes;
+
+  // ----- the base: weights of its three kinds of matter add to 1
+  float weight_dielectric;  ///< opaque
+  float weight_metal;
+  float weight_glass;
+  vec3 diffuse;  ///< albedo of the diffuse layer, times its weight
+  vec3 f0_dielectric;
+  float f90_dielectric;
+  vec3 f0_metal;
+  float roughness;
+  float alpha;
+  bool is_mirror;  ///< the specular lobe is a delta
+  TableCell row;   ///< of `roughness` in the tables of GGX
+
+  // ----- energy: what single scattering loses, and what the boundary lets through
+  float escape_mean;      ///< 1 - mean albedo of single scattering between white facets
+  float escape_o;         ///< 1 - that albedo at wo
+  vec3 multiscatter;      ///< reflected share of what is lost / (π escape_mean)
+  float boundary_f0;      ///< of the dielectric boundary above the diffuse layer, strongest channel
+  float boundary_escape;  ///< its share of multiply scattered light
+  float transmission_o;   ///< of everything above the diffuse layer at wo
+  float diffuse_scale;    ///< 1 / its cosine-weighted mean
+
+  // ----- chances of the lobes to be sampled; they add to 1 where there is anything
+  float chance_specular;
+  float chance_diffuse;  ///< cosine-weighted, upper side
+
+  // ----- below here only with the bits that need it
+  ShadingModel model;
+  float alpha_x;
+  float alpha_y;
+
+  float iridescence;
+  float film_ior;
+  float film_nm;
+  vec3 film_f0_dielectric;  ///< of the matter below the film
+  vec3 film_f0_metal;
+  vec3 f82_tint;
+  vec3 conductor_n;
+  vec3 conductor_k;
+
+  bool is_thin;
+  bool is_glass_delta;
+  float eta;
+  float glass_f0;  ///< of the bare boundary
+  vec3 glass_f0_tinted;
+  vec3 glass_tint;  ///< of what goes through
+  float glass_escape_o;
+  float glass_multireflect;  ///< as `multiscatter`
+  vec3 glass_multitransmit;  ///< and what goes to the other side
+  vec3 diffuse_below;        ///< albedo of diffuse transmission, times its weight
+
+  vec3 sheen;  ///< colour
+  float sheen_alpha;
+  float sheen_roughness;
+  float sheen_weight;  ///< strongest channel of the colour: how much of a sheen lies above the base
+  float sheen_albedo_o;
+  float sheen_scale_o;
+  float sheen_over_o;  ///< how it dims the specular lobe at wo
+
+  float coat;  ///< weight
+  float coat_alpha;
+  float coat_roughness;
+  bool is_coat_mirror;
+  vec3 coat_normal;
+  TableCell coat_row;
+  float coat_escape_share;  ///< share that it reflects of what its single scattering loses
+  float coat_multiscatter;  ///< as `multiscatter`
+  float coat_escape_o;
+  float coat_albedo_o;
+  float coat_over_o;  ///< how it dims the specular lobe at wo
+
+  float chance_glass;
+  float chance_diffuse_below;  ///< cosine-weighted, other side
+  float chance_sheen;
+  float chance_coat;
+};
+
+struct SurfaceEval {
+  vec3 value;  ///< f·|cos θi|
+  float pdf;   ///< per solid angle
+};
+
+struct SurfaceSample {
+  vec3 wi;      ///< wi.z < 0: through the surface
+  vec3 weight;  ///< f·|cos θi| / pdf; 0 = no sample
+  float pdf;    ///< per solid angle; of a delta lobe the probability of choosing it
+  bool is_delta;
+  bool is_straight;  ///< passed a sheet without turning: wi = -wo
+};
+
+SHADE_FN SurfaceParams surface_params_default() {
+  SurfaceParams p;
+  p.lobes = 0;
+  p.base_color = vec3(1.0f);
+  p.metallic = 1.0f;
+  p.roughness = 1.0f;
+  p.ior = 1.5f;
+  p.specular = 1.0f;
+  p.specular_color = vec3(1.0f);
+  p.model = shading_model_candela();
+  p.anisotropy = 0.0f;
+  p.iridescence = 0.0f;
+  p.film_ior = 1.3f;
+  p.film_nm = 400.0f;
+  p.conductor_n = vec3(1.0f);
+  p.conductor_k = vec3(0.0f);
+  p.transmission = 0.0f;
+  p.is_thin = true;
+  p.eta = 1.5f;
+  p.diffuse_transmission = 0.0f;
+  p.diffuse_transmission_color = vec3(1.0f);
+  p.sheen_color = vec3(0.0f);
+  p.sheen_roughness = 0.0f;
+  p.clearcoat = 0.0f;
+  p.clearcoat_roughness = 0.0f;
+  p.clearcoat_normal = vec3(0.0f, 0.0f, 1.0f);
+  return p;
+}
+
+SHADE_END
+
+#endif

@@ -1,0 +1,128 @@
+#ifndef CANDELA_SHADE_SURFACE_TERMS_GLSL_H
+#define CANDELA_SHADE_SURFACE_TERMS_GLSL_H
+
+#include "shade/surface_base.glsl.h"
+#include "shade/thin_film.glsl.h"
+
+// The terms of the layered surface, each by the choice that its Surface carries: F, D and V, and the shape of the
+// diffuse layer.
+
+SHADE_BEGIN
+
+SHADE_FN float terms_coat_fresnel(float cos_theta) { return kCoatF0 + (1.0f - kCoatF0) * schlick_weight(cos_theta); }
+
+/// A film on matter that reflects `f0`, seen from air.
+SHADE_FN vec3 terms_film(SHADE_IN(Surface) s, float cos_theta, vec3 f0) {
+  return thin_film_fresnel(cos_theta, 1.0f, s.film_ior, f0, s.film_nm);
+}
+
+/// How far the reflectance has risen from F0 (0) to F90 (1), by the exact law of a boundary with normal reflectance
+/// `f0`.
+SHADE_FN float terms_exact_rise(float cos_theta, float eta, float f0) {
+  return f0 < 1.0f ? shade_saturate((fresnel_dielectric(cos_theta, eta) - f0) / (1.0f - f0)) : 0.0f;
+}
+
+SHADE_FN vec3 terms_fresnel_dielectric(SHADE_IN(Surface) s, float cos_theta) {
+  vec3 f0 = s.film_f0_dielectric;
+  vec3 f90 = vec3(s.f90_dielectric);
+  vec3 f = f0 + (f90 - f0) * schlick_weight(cos_theta);
+  if ((s.lobes & kLobeModel) != 0) {
+    if (s.model.fresnel == kFresnelSphericalGaussian) f = fresnel_spherical_gaussian(f0, cos_theta);
+    if (s.model.fresnel == kFresnelExact) {
+      // The index that reflects so much, for a boundary whose F0 an artist may have tinted.
+      float r = sqrt(min(shade_max3(f0), 0.999f));
+      f = f0 + (f90 - f0) * terms_exact_rise(cos_theta, (1.0f + r) / (1.0f - r), r * r);
+    }
+  }
+  return s.iridescence > 0.0f ? mix(f, terms_film(s, cos_theta, f0), s.iridescence) : f;
+}
+
+SHADE_FN vec3 terms_fresnel_metal(SHADE_IN(Surface) s, float cos_theta) {
+  vec3 f0 = s.film_f0_metal;
+  vec3 f = f0 + (vec3(1.0f) - f0) * schlick_weight(cos_theta);
+  if ((s.lobes & kLobeModel) != 0) {
+    if (s.model.fresnel == kFresnelSphericalGaussian) f = fresnel_spherical_gaussian(f0, cos_theta);
+    // The tint at 82° of a metal is KHR_materials_specular's colour, which glTF leaves unused for metals.
+    if (s.model.fresnel == kFresnelF82) f = fresnel_f82(f0, s.f82_tint, cos_theta);
+  }
+  if ((s.lobes & kLobeConductor) != 0) f = min(fresnel_conductor3(cos_theta, s.conductor_n, s.conductor_k), vec3(1.0f));
+  return s.iridescence > 0.0f ? mix(f, terms_film(s, cos_theta, f0), s.iridescence) : f;
+}
+
+/// Of both opaque materials, weighted.
+SHADE_FN vec3 terms_fresnel_opaque(SHADE_IN(Surface) s, float cos_theta) {
+  if ((s.lobes & (kLobeModel | kLobeConductor | kLobeIridescence)) == 0) return base_fresnel(s, cos_theta);
+  vec3 f = vec3(0.0f);
+  if (s.weight_dielectric > 0.0f) f += s.weight_dielectric * terms_fresnel_dielectric(s, cos_theta);
+  if (s.weight_metal > 0.0f) f += s.weight_metal * terms_fresnel_metal(s, cos_theta);
+  return f;
+}
+
+/// Of a transparent boundary: the exact law between F0 and F90, and all of it at total internal reflection.
+SHADE_FN vec3 terms_fresnel_glass(SHADE_IN(Surface) s, float cos_theta) {
+  float sin2_rare = (1.0f - cos_theta * cos_theta) / (s.eta * s.eta);  // on the far side
+  if (sin2_rare >= 1.0f) return vec3(1.0f);
+  vec3 f0 = s.glass_f0_tinted;
+  vec3 f = f0 + (vec3(s.f90_dielectric) - f0) * terms_exact_rise(cos_theta, s.eta, s.glass_f0);
+  if (s.iridescence > 0.0f) {
+    float cos_air = s.eta < 1.0f ? sqrt(1.0f - sin2_rare) : cos_theta;
+    f = mix(f, terms_film(s, cos_air, f0), s.iridescence);
+  }
+  return f;
+}
+
+/// Probability of following the reflected part of glass whose facets reflect `f` and tint what goes through.
+SHADE_FN float terms_glass_chance(vec3 f, vec3 tint) {
+  float reflected = shade_max3(f);
+  float through = shade_max3(tint * (vec3(1.0f) - f));
+  return through > 0.0f ? reflected / (reflected + through) : 1.0f;
+}
+
+/// D·V, both directions above.
+SHADE_FN float terms_dv(SHADE_IN(Surface) s, vec3 wo, vec3 wi, vec3 wm) {
+  if ((s.lobes & kLobeModel) == 0) {
+    if ((s.lobes & kLobeAnisotropy) != 0) {
+      return ggx_d_aniso(wm, s.alpha_x, s.alpha_y) * ggx_v_smith_aniso(wo, wi, s.alpha_x, s.alpha_y);
+    }
+    return ggx_d(wm, s.alpha) * ggx_v_smith(wo, wi, s.alpha);
+  }
+  ShadingModel m = s.model;
+  if (m.blend == kBlendPhong) {
+    // (NoH)^n / π: neither normalised nor over a microfacet denominator.
+    return pow(max(wm.z, 0.0f), blinn_phong_exponent(s.alpha)) * (1.0f / kShadePi);
+  }
+  float d = ggx_d_aniso(wm, s.alpha_x, s.alpha_y);
+  if (m.distribution == kDistributionBeckmann) d = beckmann_d(wm, s.alpha);
+  if (m.distribution == kDistributionBlinnPhong) d = blinn_phong_d(wm, s.alpha);
+  if (m.distribution == kDistributionCharlie) d = charlie_d(wm, s.alpha);
+  float v = ggx_v_smith_aniso(wo, wi, s.alpha_x, s.alpha_y);
+  if (m.masking == kMaskingSmithSeparable) v = v_smith_separable(wo, wi, s.alpha);
+  if (m.masking == kMaskingSchlickDirect) v = v_schlick_ggx(wo, wi, schlick_k_direct(s.roughness));
+  if (m.masking == kMaskingSchlickIbl) v = v_schlick_ggx(wo, wi, schlick_k_ibl(s.roughness));
+  if (m.masking == kMaskingBeckmannRational) v = v_beckmann_rational(wo, wi, s.alpha);
+  if (m.masking == kMaskingCharlie) v = charlie_v(wo, wi, s.alpha);
+  return d * v;
+}
+
+/// Density of terms_sample_visible's mirror direction: of GGX's facets, whatever D is asked for.
+SHADE_FN float terms_pdf_visible(SHADE_IN(Surface) s, vec3 wo, vec3 wm) {
+  if ((s.lobes & kLobeAnisotropy) == 0) return ggx_pdf_visible(wo, wm, s.alpha);
+  return ggx_pdf_visible_aniso(wo, wm, s.alpha_x, s.alpha_y);
+}
+
+SHADE_FN vec3 terms_sample_visible(SHADE_IN(Surface) s, vec3 wo, vec2 u) {
+  if ((s.lobes & kLobeAnisotropy) == 0) return ggx_sample_visible(wo, s.alpha, u);
+  return ggx_sample_visible_aniso(wo, s.alpha_x, s.alpha_y, u);
+}
+
+/// The diffuse layer alone, of albedo 1: 1/π for Lambert. The rough ones take the surface's roughness.
+SHADE_FN vec3 terms_diffuse_shape(SHADE_IN(Surface) s, vec3 albedo, vec3 wo, vec3 wi, float cos_m) {
+  if ((s.lobes & kLobeModel) == 0 || s.model.diffuse == kDiffuseLambert) return lambert_f(albedo);
+  if (s.model.diffuse == kDiffuseBurley) return burley_renormalised_f(albedo, s.roughness, wi.z, wo.z, cos_m);
+  if (s.model.diffuse == kDiffuseOrenNayar) return oren_nayar_f(albedo, 0.5f * kShadePi * s.roughness, wo, wi);
+  return eon_f(albedo, s.roughness, wo, wi);
+}
+
+SHADE_END
+
+#endif

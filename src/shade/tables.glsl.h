@@ -1,0 +1,210 @@
+#ifndef CANDELA_SHADE_TABLES_GLSL_H
+#define CANDELA_SHADE_TABLES_GLSL_H
+
+#include "shade/shim.glsl.h"
+
+// Directional albedos that have no closed form, as one array of floats that shade/make_tables.cpp computes at build
+// time. C++ reads the array; GLSL reads the same numbers from a texture, 256 texels wide, that whoever compiles the
+// shader fills from `shade_tables()`. How entries are found and interpolated is shared.
+//
+// Roughnesses are spaced evenly, cosines by their square root.
+
+#ifdef __cplusplus
+namespace candela::shade {
+/// Linked in from the generated source.
+extern const float kTableEntries[];
+extern const int kTableCount;
+inline float shade_table(int index) { return kTableEntries[index]; }
+}  // namespace candela::shade
+#else
+uniform highp sampler2D shade_table_texels;
+float shade_table(int index) { return texelFetch(shade_table_texels, ivec2(index & 255, index >> 8), 0).x; }
+#endif
+
+SHADE_BEGIN
+
+// ----- what lies where
+
+SHADE_CONST int kTableMu = 32;         // cosines
+SHADE_CONST int kTableRoughness = 32;  // roughnesses
+SHADE_CONST int kTableIndices = 8;     // relative indices of refraction
+SHADE_CONST int kTableLayers = 14;     // roughnesses of a layer
+SHADE_CONST int kTableLobes = 24;      // roughnesses of, and cosines at, a lobe below a layer
+SHADE_CONST int kTableWidths = 12;     // roughnesses along either axis of an anisotropic lobe, and cosines
+SHADE_CONST int kTableAzimuths = 5;    // squared cosines of the azimuth
+
+/// (A, B) of GGX with height-correlated Smith masking: the albedo for Schlick's F is F0·A + F90·B. [roughness][mu][2]
+SHADE_CONST int kTableGgx = 0;
+/// Cosine-weighted means of (A, B). [roughness][2]
+SHADE_CONST int kTableGgxMean = kTableGgx + kTableRoughness * kTableMu * 2;
+/// Albedo of the sheen lobe, and the factor per direction that keeps it below 1. [roughness][mu]
+SHADE_CONST int kTableSheen = kTableGgxMean + kTableRoughness * 2;
+SHADE_CONST int kTableSheenScale = kTableSheen + kTableRoughness * kTableMu;
+/// What a rough dielectric boundary reflects and refracts together without multiple scattering, seen from the rarer
+/// side and from the denser one: [side][index][roughness][mu]; and means, [side][index][roughness].
+SHADE_CONST int kTableGlassSide = kTableIndices * kTableRoughness * kTableMu;
+SHADE_CONST int kTableGlass = kTableSheenScale + kTableRoughness * kTableMu;
+SHADE_CONST int kTableGlassMean = kTableGlass + 2 * kTableGlassSide;
+/// A lobe of GGX below a layer of weight 1 (a coat or a sheen) that lets T through: what dims it on the way in and on
+/// the way out alike, over √T, and the (A, B) of what is left, over T. [roughness of the layer][roughness of the
+/// lobe][mu][3]
+SHADE_CONST int kTableOver = kTableLayers * kTableLobes * kTableLobes * 3;
+SHADE_CONST int kTableCoatOver = kTableGlassMean + 2 * kTableIndices * kTableRoughness;
+SHADE_CONST int kTableSheenOver = kTableCoatOver + kTableOver;
+/// What single scattering of white anisotropic GGX loses: [roughness along x][along y][azimuth][mu]; and the mean.
+SHADE_CONST int kTableAnisotropic = kTableSheenOver + kTableOver;
+SHADE_CONST int kTableAnisotropicMean = kTableAnisotropic + kTableWidths * kTableWidths * kTableAzimuths * kTableWidths;
+SHADE_CONST int kTableSize = kTableAnisotropicMean + kTableWidths * kTableWidths;
+
+// ----- interpolation
+
+/// A position between two entries.
+struct TableCell {
+  int i;    ///< the lower one
+  float t;  ///< weight of the upper one
+};
+
+SHADE_FN TableCell table_cell(float x, int count) {
+  TableCell c;
+  float s = clamp(x, 0.0f, 1.0f) * float(count - 1);
+  c.i = min(int(s), count - 2);
+  c.t = s - float(c.i);
+  return c;
+}
+
+/// Cosines stand closer together near the horizon: x = √µ.
+SHADE_FN TableCell table_cell_mu(float mu, int count) { return table_cell(sqrt(max(mu, 0.0f)), count); }
+
+SHADE_FN float table_linear(int at, TableCell x) { return mix(shade_table(at + x.i), shade_table(at + x.i + 1), x.t); }
+
+SHADE_FN float table_bilinear(int at, TableCell x, TableCell y, int width) {
+  int row = at + y.i * width;
+  return mix(table_linear(row, x), table_linear(row + width, x), y.t);
+}
+
+// ----- GGX
+
+/// Split-sum terms (A, B) at a cosine, for a roughness whose cell is known.
+SHADE_FN vec2 table_ggx(float mu, TableCell roughness) {
+  TableCell m = table_cell_mu(mu, kTableMu);
+  int a = kTableGgx + (roughness.i * kTableMu + m.i) * 2;
+  int b = a + kTableMu * 2;
+  vec2 lower = mix(vec2(shade_table(a), shade_table(a + 1)), vec2(shade_table(a + 2), shade_table(a + 3)), m.t);
+  vec2 upper = mix(vec2(shade_table(b), shade_table(b + 1)), vec2(shade_table(b + 2), shade_table(b + 3)), m.t);
+  return mix(lower, upper, roughness.t);
+}
+
+SHADE_FN vec2 table_ggx_mean(TableCell roughness) {
+  int a = kTableGgxMean + roughness.i * 2;
+  return mix(vec2(shade_table(a), shade_table(a + 1)), vec2(shade_table(a + 2), shade_table(a + 3)), roughness.t);
+}
+
+SHADE_FN TableCell table_ggx_roughness(float roughness) { return table_cell(roughness, kTableRoughness); }
+
+// ----- sheen
+
+/// Fibres narrower than this have a lobe that only grazing light sees and single precision cannot normalise.
+SHADE_CONST float kSheenLeastRoughness = 0.07f;
+
+/// Narrow fibres change fastest: entries stand evenly in the root of what is above the least roughness.
+SHADE_FN TableCell table_cell_sheen(float roughness, int count) {
+  return table_cell(sqrt(max((roughness - kSheenLeastRoughness) * (1.0f / (1.0f - kSheenLeastRoughness)), 0.0f)),
+                    count);
+}
+
+SHADE_FN float table_sheen(float mu, float roughness) {
+  return table_bilinear(kTableSheen, table_cell_mu(mu, kTableMu), table_cell_sheen(roughness, kTableRoughness),
+                        kTableMu);
+}
+
+SHADE_FN float table_sheen_scale(float mu, float roughness) {
+  return table_bilinear(kTableSheenScale, table_cell_mu(mu, kTableMu), table_cell_sheen(roughness, kTableRoughness),
+                        kTableMu);
+}
+
+// ----- rough dielectric boundaries
+
+/// Where relative indices stand: x = (η - 1) / (η + 1) over 0 … kTableGlassMost, for η ≥ 1.
+SHADE_CONST float kTableGlassMost = 0.6f;  // η = 4
+
+SHADE_FN TableCell table_cell_index(float eta) {
+  float dense = max(eta, 1.0f / eta);
+  return table_cell((dense - 1.0f) / (dense + 1.0f) * (1.0f / kTableGlassMost), kTableIndices);
+}
+
+/// `eta` = n on the other side / n on the side of the direction.
+SHADE_FN float table_glass(float mu, float roughness, float eta) {
+  TableCell index = table_cell_index(eta);
+  TableCell row = table_cell(roughness, kTableRoughness);
+  TableCell m = table_cell_mu(mu, kTableMu);
+  int slice = kTableRoughness * kTableMu;
+  int at = kTableGlass + (eta < 1.0f ? kTableGlassSide : 0) + index.i * slice;
+  return mix(table_bilinear(at, m, row, kTableMu), table_bilinear(at + slice, m, row, kTableMu), index.t);
+}
+
+SHADE_FN float table_glass_mean(float roughness, float eta) {
+  int at = kTableGlassMean + (eta < 1.0f ? kTableIndices * kTableRoughness : 0);
+  return table_bilinear(at, table_cell(roughness, kTableRoughness), table_cell_index(eta), kTableRoughness);
+}
+
+// ----- layers over GGX
+
+SHADE_FN vec3 table_over_entry(int entry) {
+  return vec3(shade_table(entry), shade_table(entry + 1), shade_table(entry + 2));
+}
+
+SHADE_FN vec3 table_over_row(int at, TableCell mu) {
+  return mix(table_over_entry(at + mu.i * 3), table_over_entry(at + mu.i * 3 + 3), mu.t);
+}
+
+SHADE_FN vec3 table_over(int at, float mu, float roughness, TableCell layer) {
+  TableCell lobe = table_cell(roughness, kTableLobes);
+  TableCell m = table_cell_mu(mu, kTableLobes);
+  int row = kTableLobes * 3;
+  int slice = kTableLobes * row;
+  int a = at + layer.i * slice + lobe.i * row;
+  vec3 lower = mix(table_over_row(a, m), table_over_row(a + row, m), lobe.t);
+  vec3 upper = mix(table_over_row(a + slice, m), table_over_row(a + slice + row, m), lobe.t);
+  return mix(lower, upper, layer.t);
+}
+
+/// Factor per direction, A and B, below a coat of albedo `e` at this cosine.
+SHADE_FN vec3 table_coat_over(float mu, float roughness, float coat_roughness, float e) {
+  float t = max(1.0f - e, 0.0f);
+  return table_over(kTableCoatOver, mu, roughness, table_cell(coat_roughness, kTableLayers)) * vec3(sqrt(t), t, t);
+}
+
+/// The same below a sheen.
+SHADE_FN vec3 table_sheen_over(float mu, float roughness, float sheen_roughness, float e) {
+  float t = max(1.0f - e, 0.0f);
+  return table_over(kTableSheenOver, mu, roughness, table_cell_sheen(sheen_roughness, kTableLayers)) *
+         vec3(sqrt(t), t, t);
+}
+
+// ----- anisotropic GGX
+
+SHADE_FN float table_anisotropic_at(int at, TableCell azimuth, TableCell mu) {
+  return table_bilinear(at, mu, azimuth, kTableWidths);
+}
+
+/// 1 - albedo at a direction with this cosine and squared cosine of the azimuth from the x axis.
+SHADE_FN float table_anisotropic(float mu, float azimuth, float roughness_x, float roughness_y) {
+  TableCell x = table_cell(roughness_x, kTableWidths);
+  TableCell y = table_cell(roughness_y, kTableWidths);
+  TableCell m = table_cell_mu(mu, kTableWidths);
+  TableCell c = table_cell(azimuth, kTableAzimuths);
+  int cell = kTableAzimuths * kTableWidths;
+  int row = kTableWidths * cell;
+  int at = kTableAnisotropic + x.i * row + y.i * cell;
+  return mix(mix(table_anisotropic_at(at, c, m), table_anisotropic_at(at + cell, c, m), y.t),
+             mix(table_anisotropic_at(at + row, c, m), table_anisotropic_at(at + row + cell, c, m), y.t), x.t);
+}
+
+SHADE_FN float table_anisotropic_mean(float roughness_x, float roughness_y) {
+  return table_bilinear(kTableAnisotropicMean, table_cell(roughness_y, kTableWidths),
+                        table_cell(roughness_x, kTableWidths), kTableWidths);
+}
+
+SHADE_END
+
+#endif
