@@ -120,6 +120,7 @@ SHADE_FN float film_airy(FilmBoundary a, FilmBoundary b, FilmFringes fringes, in
     im = re * t_im + im * t_re;
     re = turned;
     sum += 2.0f * (re * fringes.re[m][c] - im * fringes.im[m][c]);
+    if (re * re + im * im < 1e-12f) break;  // most dielectrics need four orders
   }
   // Σ over m > M of t^m Ŝ_M ρ^(m - M) = t^M Ŝ_M tρ / (1 - tρ), ρ = Ŝ_M / Ŝ_(M-1) and never above 1.
   vec2 last = vec2(fringes.re[kFilmOrders - 1][c], fringes.im[kFilmOrders - 1][c]);
