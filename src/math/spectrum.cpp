@@ -114,6 +114,16 @@ constexpr std::array<Xyz, 95> kObserver = {{
     {2.522525e-06, 9.1093e-07, 0.0},
     {1.776509e-06, 6.4153e-07, 0.0},
     {1.251141e-06, 4.5181e-07, 0.0}}};
+
+constexpr std::array<double, 85> kD65 = {
+    46.6383, 49.3637, 52.0891, 51.0323, 49.9755, 52.3118, 54.6482, 68.7015, 82.7549, 87.1204, 91.486, 92.4589,
+    93.4318, 90.057, 86.6823, 95.7736, 104.865, 110.936, 117.008, 117.41, 117.812, 116.336, 114.861, 115.392,
+    115.923, 112.367, 108.811, 109.082, 109.354, 108.578, 107.802, 106.296, 104.79, 106.239, 107.689, 106.047,
+    104.405, 104.225, 104.046, 102.023, 100.0, 98.1671, 96.3342, 96.0611, 95.788, 92.2368, 88.6856, 89.3459,
+    90.0062, 89.8026, 89.5991, 88.6489, 87.6987, 85.4936, 83.2886, 83.4939, 83.6992, 81.863, 80.0268, 80.1207,
+    80.2146, 81.2462, 82.2778, 80.281, 78.2842, 74.0027, 69.7213, 70.6652, 71.6091, 72.979, 74.349, 67.9765,
+    61.604, 65.7448, 69.8856, 72.4863, 75.087, 69.3398, 63.5927, 55.0054, 46.4182, 56.6118, 66.8054, 65.0941,
+    63.3828};
 // clang-format on
 
 dvec3 observer(std::size_t i) { return {kObserver[i].x, kObserver[i].y, kObserver[i].z}; }
@@ -131,6 +141,13 @@ dvec3 cie_xyz(double wavelength_nm) {
   const double at = (wavelength_nm - kSpectrumMinNm) / kStepNm;
   const auto i = std::min(static_cast<std::size_t>(at), kObserver.size() - 2);
   return glm::mix(observer(i), observer(i + 1), at - static_cast<double>(i));
+}
+
+double cie_d65(double wavelength_nm) {
+  if (!(wavelength_nm >= kSpectrumMinNm && wavelength_nm <= kSpectrumMaxNm)) return 0.0;
+  const double at = std::min((wavelength_nm - kSpectrumMinNm) / kStepNm, static_cast<double>(kD65.size() - 1));
+  const auto i = std::min(static_cast<std::size_t>(at), kD65.size() - 2);
+  return glm::mix(kD65[i], kD65[i + 1], at - static_cast<double>(i));
 }
 
 dvec3 rec709_from_xyz(dvec3 xyz) {

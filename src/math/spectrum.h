@@ -12,6 +12,10 @@ inline constexpr double kSpectrumMaxNm = 830.0;
 /// "Colorimetry", table T.4 (the same numbers as CIE 018:2019), every 5 nm and linear in between.
 dvec3 cie_xyz(double wavelength_nm);
 
+/// Relative spectral power of the CIE standard illuminant D65, 100 at 560 nm; linear between rows of 5 nm, constant
+/// beyond 780 nm, where the observer sees nothing, and 0 outside 360-830 nm. CIE 15:2004, table T.1.
+double cie_d65(double wavelength_nm);
+
 /// Linear Rec.709 from XYZ by the primaries and the white (D65) of ITU-R BT.709-6; no adaptation, no clipping.
 dvec3 rec709_from_xyz(dvec3 xyz);
 dvec3 xyz_from_rec709(dvec3 rgb);

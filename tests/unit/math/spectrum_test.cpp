@@ -42,6 +42,16 @@ TEST(unit_math_spectrum, observer_is_one_at_555_nm_and_linear_between_rows) {
   }
 }
 
+TEST(unit_math_spectrum, d65_is_the_white_of_its_definition) {
+  EXPECT_EQ(cie_d65(560.0), 100.0);
+  EXPECT_NEAR(cie_d65(562.5), 0.5 * (100.0 + 98.1671), 1e-12);
+  EXPECT_EQ(cie_d65(800.0), cie_d65(780.0));
+  for (const double nm : {0.0, 359.99, 830.01}) EXPECT_EQ(cie_d65(nm), 0.0) << nm;
+  // CIE 15:2004, table T.3, by its sum over 5 nm; here over 1 nm of what is linear between the rows.
+  EXPECT_NEAR(chromaticity(cie_d65).x, 0.31272, 5e-5);
+  EXPECT_NEAR(chromaticity(cie_d65).y, 0.32903, 5e-5);
+}
+
 // ----- Rec.709
 
 TEST(unit_math_spectrum, rec709_has_its_primaries_and_its_white) {
