@@ -13,8 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     scene.images.clear();
     scene.textures.clear();
     for (Material& m : scene.materials) {
-      m.base_color_texture = m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture =
-          m.emissive_texture = m.specular_texture = m.specular_color_texture = {};
+      for (TextureSlot* slot : texture_slots(m)) *slot = {};
     }
     validate(scene);
     world_bounds(scene);
