@@ -7,8 +7,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace candela;
   Diagnostics diagnostics;
   try {
-    Scene scene =
-        io::load_gltf(std::as_bytes(std::span(data, size)), {}, diagnostics, io::LoadOptions{.decode_images = false});
+    const auto bytes = std::as_bytes(std::span(data, size));
+    io::LoadOptions options{.decode_images = false};
+    io::FileInfo info;
+    Scene scene = io::load_gltf(bytes, {}, diagnostics, options, &info);
+    if (!info.variants.empty()) {
+      options.variant = info.variants.front();
+      scene = io::load_gltf(bytes, {}, diagnostics, options);
+    }
     // Pixels are all that validate() may miss.
     scene.images.clear();
     scene.textures.clear();
