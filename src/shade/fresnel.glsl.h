@@ -50,6 +50,68 @@ SHADE_FN float fresnel_conductor(float cos_theta, float n, float k) {
   return 0.5f * (rs + rp);
 }
 
+/// fresnel_conductor of three channels, each with its own index.
+SHADE_FN vec3 fresnel_conductor3(float cos_theta, vec3 n, vec3 k) {
+  return vec3(fresnel_conductor(cos_theta, n.x, k.x), fresnel_conductor(cos_theta, n.y, k.y),
+              fresnel_conductor(cos_theta, n.z, k.z));
+}
+
+/// Reflectance of a dielectric boundary for light whose electric field is perpendicular to the plane of incidence.
+/// Born & Wolf, "Principles of Optics", §1.5.2, eq. 21.
+SHADE_FN float fresnel_dielectric_s(float cos_theta, float eta) {
+  float c = shade_saturate(cos_theta);
+  float g2 = eta * eta - 1.0f + c * c;
+  if (g2 <= 0.0f) return 1.0f;
+  float g = sqrt(g2);
+  return shade_sqr((c - g) / (c + g));
+}
+
+/// And parallel to it: zero at Brewster's angle, tan θ = eta.
+SHADE_FN float fresnel_dielectric_p(float cos_theta, float eta) {
+  float c = shade_saturate(cos_theta);
+  float g2 = eta * eta - 1.0f + c * c;
+  if (g2 <= 0.0f) return 1.0f;
+  float g = sqrt(g2);
+  return shade_sqr((eta * eta * c - g) / (eta * eta * c + g));
+}
+
+/// Schlick's curve with F90 = 1 as a power of two. Karis 2013, "Real Shading in Unreal Engine 4", eq. 5.
+SHADE_FN vec3 fresnel_spherical_gaussian(vec3 f0, float cos_theta) {
+  float c = shade_saturate(cos_theta);
+  return f0 + (vec3(1.0f) - f0) * exp2((-5.55473f * c - 6.98316f) * c);
+}
+
+/// A metal by its colour at the normal and a tint of Schlick's curve near 82° (cos = 1/7), where metals dip; tint 1 is
+/// Schlick. Kutz, Hasan & Edmondson 2021, "Novel Aspects of the Adobe Standard Material"; Hoffman 2019, "Fresnel
+/// Equations Considered Harmful". Held at 0, which a tint near black undercuts beside 82°.
+SHADE_FN vec3 fresnel_f82(vec3 f0, vec3 tint, float cos_theta) {
+  float c = shade_saturate(cos_theta);
+  float m = 1.0f - c;
+  float bump = c * m * schlick_weight(c) * (823543.0f / 46656.0f);  // cos (1 - cos)⁶ over its value at 1/7, 6⁶ / 7⁷
+  vec3 at_82 = f0 + (vec3(1.0f) - f0) * (7776.0f / 16807.0f);       // (6/7)⁵
+  return max(f0 + (vec3(1.0f) - f0) * schlick_weight(c) - at_82 * (vec3(1.0f) - tint) * bump, vec3(0.0f));
+}
+
+/// Schlick's curve for both sides of a dielectric boundary. `cos_theta` ≥ 0 on the side the light comes from, `eta` =
+/// n_t / n_i. The curve takes the angle on the optically thinner side, so for light that leaves the denser one (eta <
+/// 1) the refracted angle, and is 1 at total internal reflection: both sides then reflect the same along a path.
+/// KHR_materials_volume.
+SHADE_FN vec3 schlick_dielectric(vec3 f0, float cos_theta, float eta) {
+  float c = shade_saturate(cos_theta);
+  if (eta < 1.0f) {
+    float cos2_t = 1.0f - (1.0f - c * c) / (eta * eta);
+    if (cos2_t <= 0.0f) return vec3(1.0f);
+    c = sqrt(cos2_t);
+  }
+  return fresnel_schlick(f0, vec3(1.0f), c);
+}
+
+/// Cosine-weighted mean of Schlick's curve over the hemisphere, 2 ∫ F μ dμ.
+SHADE_FN vec3 fresnel_average_schlick(vec3 f0, vec3 f90) { return f0 + (f90 - f0) * (1.0f / 21.0f); }
+
+/// F0 of the `specular` slider of Burley 2012 and Karis 2013: 0.5 is glass of index 1.5.
+SHADE_FN float f0_from_specular(float specular) { return 0.08f * specular; }
+
 SHADE_END
 
 #endif
