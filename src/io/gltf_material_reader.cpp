@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/metals.h"
+
 namespace candela::io {
 
 namespace {
@@ -56,6 +58,7 @@ class MaterialReader {
   void read_transmission();
   void read_volume();
   void read_scattering();
+  void read_conductor();
 
   const JsonView& root_;
   const JsonView& json_;
@@ -300,6 +303,22 @@ void MaterialReader::read_scattering() {
   }
 }
 
+/// Extras may be anything: what has not our shape is not ours.
+void MaterialReader::read_conductor() {
+  const auto extras = json_.find("extras");
+  const auto own = extras && extras->is_object() ? extras->find("candela") : std::nullopt;
+  const auto name = own && own->is_object() ? own->find("conductor") : std::nullopt;
+  if (!name) return;
+  if (winner_ != nullptr) {
+    warn(fmt::format("extras.candela.conductor is ignored beside {}", winner_), *name);
+  } else if (const Metal* metal = find_metal(name->string())) {
+    material_.conductor_n = metal->n;
+    material_.conductor_k = metal->k;
+  } else {
+    warn(fmt::format("there is no measured metal '{}'", name->string()), *name);
+  }
+}
+
 Material MaterialReader::read() {
   material_.unlit = json_.extension("KHR_materials_unlit").has_value();
   if (material_.unlit) winner_ = "KHR_materials_unlit";
@@ -318,6 +337,7 @@ Material MaterialReader::read() {
   read_transmission();
   read_volume();
   read_scattering();
+  read_conductor();
   return material_;
 }
 

@@ -14,6 +14,8 @@ namespace candela::io {
 ///
 /// Extensions that exclude each other: KHR_materials_unlit wins over all that shape reflection, and
 /// KHR_materials_pbrSpecularGlossiness over the rest of them, metallic-roughness included.
+///
+/// `"extras": {"candela": {"conductor": "gold"}}` makes the metallic part a measured metal (find_metal).
 Material read_material(const JsonView& root, const JsonView& json, std::size_t index, Warnings& warnings);
 
 }  // namespace candela::io

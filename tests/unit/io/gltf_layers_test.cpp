@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "scene/metals.h"
 #include "unit/io/gltf_builder.h"
 
 /// The material extensions beside metallic-roughness: every number, every texture, every exclusion.
@@ -264,6 +265,32 @@ TEST(unit_io_gltf_layers, specular_glossiness_is_a_workflow_of_its_own) {
   EXPECT_EQ(standard.roughness, 0);
   EXPECT_EQ(standard.opacity, 1);
   EXPECT_FALSE(Material().specular_glossiness);
+}
+
+TEST(unit_io_gltf_layers, extras_may_name_a_measured_metal) {
+  const auto extras = [](const json& value) { return load(with_material({{"name", "test"}, {"extras", value}})); };
+  Loaded loaded = extras({{"candela", {{"conductor", "gold"}}}});
+  EXPECT_TRUE(loaded.warnings.empty());
+  const Metal* gold = find_metal("gold");
+  ASSERT_NE(gold, nullptr);
+  EXPECT_EQ(loaded.scene.materials.at(0).conductor_n, gold->n);
+  EXPECT_EQ(loaded.scene.materials.at(0).conductor_k, gold->k);
+  EXPECT_TRUE(loaded.scene.materials.at(0).is_conductor());
+
+  loaded = extras({{"candela", {{"conductor", "mithril"}}}});
+  EXPECT_TRUE(loaded.warned("material 'test': there is no measured metal 'mithril'"));
+  EXPECT_FALSE(loaded.scene.materials.at(0).is_conductor());
+  EXPECT_THAT(error_of(with_material({{"extras", {{"candela", {{"conductor", 79}}}}}})), HasSubstr("must be a string"));
+  // What other programs keep there is theirs.
+  for (const json& theirs : {json(3), json::array({1}), json{{"candela", 100}}, json{{"candela", json::object()}}}) {
+    loaded = extras(theirs);
+    EXPECT_TRUE(loaded.warnings.empty());
+    EXPECT_FALSE(loaded.scene.materials.at(0).is_conductor());
+  }
+  loaded = load(with_material(
+      {{"extras", {{"candela", {{"conductor", "gold"}}}}}, {"extensions", {{"KHR_materials_unlit", json::object()}}}}));
+  EXPECT_TRUE(loaded.warned("conductor is ignored beside KHR_materials_unlit"));
+  EXPECT_FALSE(loaded.scene.materials.at(0).is_conductor());
 }
 
 TEST(unit_io_gltf_layers, what_extensions_exclude_is_left_out_and_told) {

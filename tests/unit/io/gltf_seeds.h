@@ -7,7 +7,7 @@ namespace candela::io::test {
 /// Every extension that a metallic-roughness material may have, each with all its members.
 inline Builder layered() {
   Builder b = with_material(json::parse(R"({
-      "name": "layers", "extensions": {
+      "name": "layers", "extras": {"candela": {"conductor": "gold"}}, "extensions": {
         "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatTexture": {"index": 0}, "clearcoatRoughnessFactor": 0.2,
           "clearcoatRoughnessTexture": {"index": 0}, "clearcoatNormalTexture": {"index": 0, "scale": 0.5, "texCoord": 1}},
         "KHR_materials_sheen": {"sheenColorFactor": [0.1, 0.2, 0.3], "sheenColorTexture": {"index": 0},
