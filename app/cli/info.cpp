@@ -79,6 +79,17 @@ void list(Table& table, const std::string& name, const std::vector<std::string>&
   if (items.size() > kMostItems) table.item(fmt::format("and {} more (--json lists all)", items.size() - kMostItems));
 }
 
+void describe_materials(const Scene& scene, Json& json, Table& table) {
+  json["materials"] = Json::array();
+  std::vector<std::string> lines;
+  for (const Material& material : scene.materials) {
+    const std::vector<std::string_view> lobes = material_lobes(material);
+    json["materials"].push_back({{"name", material.name}, {"lobes", lobes}});
+    lines.push_back(fmt::format("{}: {}", or_unnamed(material.name), fmt::join(lobes, ", ")));
+  }
+  list(table, "materials", lines);
+}
+
 void describe_images(const Scene& scene, Json& json, Table& table) {
   json["images"] = Json::array();
   std::vector<std::string> lines;
@@ -128,12 +139,14 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   json["copyright"] = file.copyright;
   json["extensions"] = {
       {"used", file.extensions_used}, {"required", file.extensions_required}, {"unsupported", file.extensions_ignored}};
+  json["variants"] = file.variants;
   json["animations"] = file.animations;
   json["skins"] = file.skins;
   table.row("file size", bytes_text(file.file_bytes));
   if (!file.generator.empty()) table.row("generator", file.generator);
   if (!file.copyright.empty()) table.row("copyright", file.copyright);
   if (!file.extensions_used.empty()) table.row("extensions", fmt::format("{}", fmt::join(file.extensions_used, " ")));
+  if (!file.variants.empty()) list(table, "variants", file.variants);
   if (file.animations > 0) table.row("animations", fmt::format("{}, shown at rest", file.animations));
   if (file.skins > 0) table.row("skins", fmt::format("{}", file.skins));
 }
@@ -171,7 +184,6 @@ Report scene_report(const std::string& name) {
             {"triangles", counts.triangles},
             {"instances", counts.placed_meshes},
             {"instanced_triangles", counts.placed_triangles},
-            {"materials", Json::array()},
             {"textures", scene.textures.size()}};
   Table table;
   table.row("scene", name);
@@ -180,12 +192,7 @@ Report scene_report(const std::string& name) {
   table.row("meshes", fmt::format("{} of {} primitives", scene.meshes.size(), counts.primitives));
   table.row("triangles",
             fmt::format("{}, {} as placed; {} vertices", counts.triangles, counts.placed_triangles, counts.vertices));
-  std::vector<std::string> names;
-  for (const Material& material : scene.materials) {
-    json["materials"].push_back(material.name);
-    names.push_back(or_unnamed(material.name));
-  }
-  list(table, "materials", names);
+  describe_materials(scene, json, table);
   describe_images(scene, json, table);
   describe_cameras_and_lights(scene, json, table);
 

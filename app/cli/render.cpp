@@ -109,7 +109,7 @@ void set_lens(const RenderOptions& o, const Scene& scene, View& view) {
 
 Job prepare(const RenderOptions& o, Diagnostics& diagnostics) {
   Job job;
-  job.scene = load(o.scene, &diagnostics);
+  job.scene = load(o.scene, &diagnostics, o.variant);
   job.environment = make_environment(o.environment.value_or(default_environment(job.scene)));
   job.environment.rotation += o.environment_rotation;
   job.environment.intensity *= o.environment_intensity;
@@ -145,13 +145,16 @@ void report_warnings(const RenderOptions& o, const Diagnostics& diagnostics, std
 }
 
 std::map<std::string, std::string> metadata(const RenderOptions& o, const Job& job, double samples_per_pixel) {
-  return {{"scene", o.scene},
-          {"camera", job.camera},
-          {"environment", job.environment.name},
-          {"integrator", o.settings.integrator == path::Integrator::full ? "full" : "minimal"},
-          {"samples", fmt::format("{}", samples_per_pixel)},
-          {"seed", fmt::format("{}", o.settings.seed)},
-          {"version", fmt::format("candela {}", version())}};
+  std::map<std::string, std::string> result{
+      {"scene", o.scene},
+      {"camera", job.camera},
+      {"environment", job.environment.name},
+      {"integrator", o.settings.integrator == path::Integrator::full ? "full" : "minimal"},
+      {"samples", fmt::format("{}", samples_per_pixel)},
+      {"seed", fmt::format("{}", o.settings.seed)},
+      {"version", fmt::format("candela {}", version())}};
+  if (!o.variant.empty()) result["variant"] = o.variant;
+  return result;
 }
 
 /// The picture so far, on disk: what is there when the machine goes down. Its cost is bounded by a twentieth of the

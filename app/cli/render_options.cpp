@@ -54,6 +54,13 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(group);
+  const auto variant = [](const std::string& value) {
+    if (value.empty()) throw UsageError("the name is empty");
+    return value;
+  };
+  add_value(verb, "--variant", "NAME", o.variant, variant,
+            "One of the file's material variants, as candela info lists them [its default look]")
+      ->group(group);
   add_value(verb, "--size", "WxH", o.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]")->group(group);
   add_value(verb, "--exposure", "auto|EV|f/N,1/T,ISO", o.exposure, parse_exposure,
             "Metered, in stops, or as on a camera [the scene's wish; studio 0; else auto]")

@@ -17,6 +17,7 @@ namespace candela::cli {
 /// Everything `candela render` was asked for. Empty optionals mean "as the scene wishes".
 struct RenderOptions {
   std::string scene;
+  std::string variant;  ///< empty = the file's default look
   std::vector<std::string> outputs;
   ivec2 size{1280, 720};
   std::optional<int> samples;

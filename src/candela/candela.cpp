@@ -7,11 +7,14 @@
 
 namespace candela {
 
-Scene load(const std::string& path_or_demo, Diagnostics* diagnostics) {
+Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant) {
   constexpr std::string_view kDemo = "demo:";
-  if (path_or_demo.starts_with(kDemo)) return io::make_demo(path_or_demo.substr(kDemo.size()));
+  if (path_or_demo.starts_with(kDemo)) {
+    if (!variant.empty()) throw Error("a built-in scene has no variants", path_or_demo);
+    return io::make_demo(path_or_demo.substr(kDemo.size()));
+  }
   Diagnostics ignored;
-  return io::load_gltf(path_or_demo, diagnostics != nullptr ? *diagnostics : ignored);
+  return io::load_gltf(path_or_demo, diagnostics != nullptr ? *diagnostics : ignored, {.variant = variant});
 }
 
 Box3 subject_bounds(const Scene& scene) {

@@ -20,7 +20,8 @@
 namespace candela {
 
 /// Loads a .gltf/.glb, or a built-in scene by "demo:NAME". Throws Error. Warnings go to `diagnostics` when given.
-Scene load(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr);
+/// `variant` names one of the file's material variants; empty = its default look.
+Scene load(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr, const std::string& variant = {});
 
 /// The view a user would expect without saying more: the file's first camera, else the whole subject in three-quarter
 /// view.

@@ -1,6 +1,7 @@
 #include "io/gltf.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -23,11 +24,29 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 7> kSupported{
-    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior",    "KHR_materials_specular",
-    "KHR_materials_unlit", "KHR_mesh_quantization",           "KHR_texture_transform"};
+constexpr auto kSupported = std::to_array<std::string_view>({
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_scatter",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_materials_volume_scatter",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+});
 /// Describe the asset and change no pixel.
-constexpr std::array<std::string_view, 2> kMetadata{"KHR_xmp", "KHR_xmp_json_ld"};
+constexpr auto kMetadata = std::to_array<std::string_view>({"KHR_xmp", "KHR_xmp_json_ld"});
 
 bool is_known(std::string_view name) {
   const auto in = [&](const auto& list) { return std::find(list.begin(), list.end(), name) != list.end(); };
@@ -39,6 +58,26 @@ std::vector<std::string> read_names(const JsonView& root, const char* key) {
   const auto list = root.find(key);
   for (std::size_t i = 0; list && i < list->size(); ++i) result.push_back((*list)[i].string());
   return result;
+}
+
+std::vector<std::string> read_variants(const JsonView& root) {
+  std::vector<std::string> result;
+  const auto extension = root.extension("KHR_materials_variants");
+  if (!extension) return result;
+  const JsonView list = extension->at("variants");
+  for (std::size_t i = 0; i < list.size(); ++i) result.push_back(list[i].at("name").string());
+  return result;
+}
+
+/// The variant of that name, the first where several share it.
+std::optional<Variant> find_variant(const JsonView& root, const FileInfo& info, const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  const auto found = std::find(info.variants.begin(), info.variants.end(), name);
+  if (found == info.variants.end()) {
+    const std::string names = info.variants.empty() ? "none" : fmt::format("{}", fmt::join(info.variants, ", "));
+    throw root.error(fmt::format("there is no variant '{}'; the file has: {}", name, names));
+  }
+  return Variant{static_cast<std::size_t>(found - info.variants.begin()), info.variants.size()};
 }
 
 FileInfo read_info(const JsonView& root, std::size_t file_bytes) {
@@ -58,6 +97,7 @@ FileInfo read_info(const JsonView& root, std::size_t file_bytes) {
   info.extensions_required = read_names(root, "extensionsRequired");
   std::copy_if(info.extensions_used.begin(), info.extensions_used.end(), std::back_inserter(info.extensions_ignored),
                [](const std::string& name) { return !is_known(name); });
+  info.variants = read_variants(root);
   info.animations = static_cast<int>(count_of(root, "animations"));
   info.skins = static_cast<int>(count_of(root, "skins"));
   info.file_bytes = file_bytes;
@@ -187,6 +227,7 @@ class Loader {
   GltfBuffers buffers_;
   AccessorReader reader_;
   FileScene file_;
+  std::optional<Variant> variant_;
   std::map<MeshKey, std::size_t> mesh_of_key_;            ///< ordered, and so are the scene's meshes
   std::vector<std::optional<std::size_t>> mesh_of_node_;  ///< of the file
   std::map<std::size_t, int> camera_of_file_, light_of_file_;
@@ -230,7 +271,7 @@ void Loader::collect_materials() {
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const JsonView primitive = primitives[i];
       if (primitive.whole_or("mode", 4) < 4) continue;
-      if (const auto material = primitive.index_of("material", used.size(), "material")) {
+      if (const auto material = material_of_primitive(primitive, used.size(), variant_)) {
         used[*material] = true;
       } else {
         want_default = true;
@@ -250,7 +291,7 @@ void Loader::read_meshes_and_images() {
   std::atomic<std::uint64_t> texels = 0;
   const auto read_meshes = [&] {
     MeshReader reader(reader_, warnings_, materials_.materials, materials_.material_of_file,
-                      materials_.default_material);
+                      materials_.default_material, variant_);
     std::map<std::size_t, std::vector<mat4>> skins;
     for (const auto& entry : mesh_of_key_) {
       const auto& [mesh, weights, skin] = entry.first;
@@ -351,6 +392,7 @@ void Loader::place_nodes() {
 
 Scene Loader::load(const FileInfo& info) {
   check_extensions(root_, info, warnings_);
+  variant_ = find_variant(root_, info, options_.variant);
   file_ = read_nodes(root_, warnings_);
   scene_.name = file_.name;
   collect_meshes();

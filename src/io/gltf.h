@@ -14,6 +14,9 @@ namespace candela::io {
 struct LoadOptions {
   /// False: images carry only width and height (their pixels stay empty), which is fast; such a scene fails validate().
   bool decode_images = true;
+  /// Name of the KHR_materials_variants variant to wear; empty = the materials that the primitives name themselves. A
+  /// name that the file has not is an Error that lists those it has.
+  std::string variant = {};
 };
 
 /// What a file says about itself and the scene does not keep.
@@ -24,6 +27,7 @@ struct FileInfo {
   std::vector<std::string> extensions_used;
   std::vector<std::string> extensions_required;
   std::vector<std::string> extensions_ignored;  ///< used, but not supported
+  std::vector<std::string> variants;            ///< names of KHR_materials_variants
   int animations = 0;
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <string_view>
 
 #include "image/image_file.h"
+#include "io/gltf_material_reader.h"
 
 namespace candela::io {
 
@@ -15,148 +14,6 @@ namespace {
 
 // Eight bytes each at most: a hundred 4K textures fit, a folder of decompression bombs does not.
 constexpr std::uint64_t kMaxTexels = std::uint64_t{1} << 31;
-// A float of this size has no fraction left, so that no texture could be told apart from one texel.
-constexpr float kLargestTransform = 1e6f;
-
-/// One material while it is read: brings numbers into their range and says so.
-class MaterialReader {
- public:
-  MaterialReader(const JsonView& root, const JsonView& json, std::size_t index, Warnings& warnings)
-      : root_(root), json_(json), warnings_(warnings) {
-    material_.name = json.string_or("name");
-    label_ = material_.name.empty() ? fmt::format("material {}", index) : fmt::format("material '{}'", material_.name);
-  }
-
-  Material read();
-
- private:
-  float clamped(const JsonView& json, const char* key, float value, float lower, float upper);
-  float factor(const JsonView& json, const char* key, float fallback, float lower = 0.0f, float upper = 1.0f);
-  template <class V>
-  V factors(const JsonView& json, const char* key, V fallback, float upper = 1.0f);
-  TextureSlot slot(const JsonView& owner, const char* key);
-  void read_metallic_roughness(const JsonView& json);
-  void read_extensions();
-
-  const JsonView& root_;
-  const JsonView& json_;
-  Warnings& warnings_;
-  std::string label_;
-  Material material_;
-};
-
-float MaterialReader::clamped(const JsonView& json, const char* key, float value, float lower, float upper) {
-  const float result = std::clamp(value, lower, upper);
-  if (result != value) warnings_.warn(fmt::format("{}: {} {} becomes {}", label_, key, value, result), json);
-  return result;
-}
-
-float MaterialReader::factor(const JsonView& json, const char* key, float fallback, float lower, float upper) {
-  return clamped(json, key, json.real_or(key, fallback), lower, upper);
-}
-
-template <class V>
-V MaterialReader::factors(const JsonView& json, const char* key, V fallback, float upper) {
-  V result = json.vector_or(key, fallback);
-  for (int i = 0; i < V::length(); ++i) result[i] = clamped(json, key, result[i], 0.0f, upper);
-  return result;
-}
-
-/// KHR_texture_transform: scale first, then rotate, then move. A positive angle turns the uvs counter-clockwise as seen
-/// with v pointing down, i.e. u' = u cos + v sin, which is what viewers do; the GLSL printed in the extension turns the
-/// other way.
-void read_transform(const JsonView& json, TextureSlot& slot) {
-  const vec2 offset = json.vector_or("offset", vec2(0));
-  const vec2 scale = json.vector_or("scale", vec2(1));
-  const float angle = json.real_or("rotation", 0.0f);
-  const float c = std::cos(angle), s = std::sin(angle);
-  slot.transform = {vec2(c, -s) * scale.x, vec2(s, c) * scale.y, offset};
-  for (const vec2 column : slot.transform) {
-    if (!(std::fabs(column.x) <= kLargestTransform && std::fabs(column.y) <= kLargestTransform)) {
-      throw json.error(fmt::format("the texture transform is beyond {:g}", kLargestTransform));
-    }
-  }
-}
-
-TextureSlot MaterialReader::slot(const JsonView& owner, const char* key) {
-  const auto info = owner.find(key);
-  if (!info) return {};
-  TextureSlot result;
-  const std::size_t texture = info->at("index").index(count_of(root_, "textures"), "texture");
-  std::uint64_t set = info->whole_or("texCoord", 0);
-  if (const auto transform = info->extension("KHR_texture_transform")) {
-    set = transform->whole_or("texCoord", set);
-    read_transform(*transform, result);
-  }
-  if (set > 1) {
-    warnings_.warn(
-        fmt::format("{}: {} uses TEXCOORD_{}; only sets 0 and 1 are supported, so it is ignored", label_, key, set),
-        *info);
-    return {};
-  }
-  if (!root_.at("textures")[texture].find("source")) {
-    warnings_.warn(fmt::format("{}: {} has no PNG or JPEG image and is ignored", label_, key), *info);
-    return {};
-  }
-  result.texture = static_cast<int>(texture);
-  result.uv_set = static_cast<int>(set);
-  return result;
-}
-
-void MaterialReader::read_metallic_roughness(const JsonView& json) {
-  const vec4 base = factors(json, "baseColorFactor", vec4(1));
-  material_.base_color = vec3(base);
-  material_.opacity = base.a;
-  material_.base_color_texture = slot(json, "baseColorTexture");
-  material_.metallic = factor(json, "metallicFactor", 1.0f);
-  material_.roughness = factor(json, "roughnessFactor", 1.0f);
-  material_.metallic_roughness_texture = slot(json, "metallicRoughnessTexture");
-}
-
-void MaterialReader::read_extensions() {
-  if (const auto strength = json_.extension("KHR_materials_emissive_strength")) {
-    material_.emission *= factor(*strength, "emissiveStrength", 1.0f, 0.0f, kInfinity);
-    if (!is_finite(material_.emission)) throw strength->error("the emission is not finite");
-  }
-  if (const auto ior = json_.extension("KHR_materials_ior")) {
-    const float value = ior->real_or("ior", 1.5f);
-    // 0 is the compatibility mode; between 0 and 1 nothing is defined.
-    material_.ior = value == 0.0f ? 0.0f : clamped(*ior, "ior", value, 1.0f, kInfinity);
-  }
-  if (const auto specular = json_.extension("KHR_materials_specular")) {
-    material_.specular = factor(*specular, "specularFactor", 1.0f);
-    material_.specular_texture = slot(*specular, "specularTexture");
-    material_.specular_color = factors(*specular, "specularColorFactor", vec3(1), kInfinity);
-    material_.specular_color_texture = slot(*specular, "specularColorTexture");
-  }
-  material_.unlit = json_.extension("KHR_materials_unlit").has_value();
-}
-
-Material MaterialReader::read() {
-  if (const auto pbr = json_.find("pbrMetallicRoughness")) read_metallic_roughness(*pbr);
-  if (const auto normal = json_.find("normalTexture")) {
-    material_.normal_texture = slot(json_, "normalTexture");
-    material_.normal_scale = normal->real_or("scale", 1.0f);
-  }
-  if (const auto occlusion = json_.find("occlusionTexture")) {
-    material_.occlusion_texture = slot(json_, "occlusionTexture");
-    material_.occlusion_strength = factor(*occlusion, "strength", 1.0f);
-  }
-  material_.emissive_texture = slot(json_, "emissiveTexture");
-  material_.emission = factors(json_, "emissiveFactor", vec3(0));
-  const std::string mode = json_.string_or("alphaMode", "OPAQUE");
-  if (mode == "MASK") {
-    material_.alpha_mode = AlphaMode::mask;
-  } else if (mode == "BLEND") {
-    material_.alpha_mode = AlphaMode::blend;
-  } else if (mode != "OPAQUE") {
-    throw json_.at("alphaMode").error("must be OPAQUE, MASK or BLEND");
-  }
-  material_.alpha_cutoff = factor(json_, "alphaCutoff", 0.5f, 0.0f, kInfinity);
-  material_.double_sided = json_.boolean_or("doubleSided", false);
-  read_extensions();
-  return material_;
-}
 
 Wrap read_wrap(const JsonView& sampler, const char* key, Warnings& warnings) {
   const std::uint64_t value = sampler.whole_or(key, 10497);
@@ -247,7 +104,7 @@ MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, 
     if (!used[i]) continue;
     set.material_of_file[i] = static_cast<int>(set.materials.size());
     const JsonView json = root.at("materials")[i];
-    set.materials.push_back(MaterialReader(root, json, i, warnings).read());
+    set.materials.push_back(read_material(root, json, i, warnings));
   }
   if (want_default || set.materials.empty()) {
     set.default_material = static_cast<int>(set.materials.size());

@@ -147,8 +147,29 @@ void normalize_normals(Primitive& primitive) {
   }
 }
 
-/// MikkTSpace in the uv space that the normal texture is looked up in: after KHR_texture_transform, so that a rotated
-/// or mirrored texture keeps its bumps upright. Vertices where frames meet that must not be averaged are split.
+/// The texture whose uvs say where tangents point: empty (set 0 as it is) when only the anisotropy's factors ask for
+/// them; null when nothing does.
+const TextureSlot* tangent_slot(const Material& m) {
+  for (const TextureSlot* slot : {&m.normal_texture, &m.clearcoat_normal_texture, &m.anisotropy_texture}) {
+    if (*slot) return slot;
+  }
+  return m.anisotropy > 0.0f ? &m.anisotropy_texture : nullptr;
+}
+
+/// Tangents of a surface without uvs: along the circles of latitude about the mesh's y axis, as on the lathe.
+void turn_tangents(Primitive& primitive) {
+  // Nearer to a pole than this, the circle has no direction that a float could hold.
+  constexpr float kSmallestSine = 1e-3f;
+  primitive.tangents.reserve(primitive.normals.size());
+  for (const vec3 n : primitive.normals) {
+    const vec3 circle = glm::cross(vec3(0, 1, 0), n);
+    const float sine = glm::length(circle);
+    primitive.tangents.emplace_back(sine > kSmallestSine ? circle / sine : any_perpendicular(n), 1.0f);
+  }
+}
+
+/// MikkTSpace in the uv space that `slot`'s texture is looked up in: after KHR_texture_transform, so that a rotated or
+/// mirrored texture keeps its bumps upright. Vertices where frames meet that must not be averaged are split.
 void generate_tangents(const TextureSlot& slot, Primitive& primitive) {
   std::vector<vec2> uvs = primitive.uvs[static_cast<std::size_t>(slot.uv_set)];
   for (vec2& uv : uvs) uv = slot.apply(uv);
@@ -229,6 +250,23 @@ std::vector<mat4> read_skin(const JsonView& skin, const std::vector<FileNode>& n
     result[i] = nodes[joints[i].index(nodes.size(), "node")].world_from_node * result[i];
   }
   return result;
+}
+
+std::optional<std::size_t> material_of_primitive(const JsonView& primitive, std::size_t material_count,
+                                                 const std::optional<Variant>& variant) {
+  const auto extension = variant ? primitive.extension("KHR_materials_variants") : std::nullopt;
+  if (extension) {
+    const JsonView mappings = extension->at("mappings");
+    for (std::size_t i = 0; i < mappings.size(); ++i) {
+      const JsonView variants = mappings[i].at("variants");
+      for (std::size_t k = 0; k < variants.size(); ++k) {
+        if (variants[k].index(variant->count, "variant") == variant->index) {
+          return mappings[i].at("material").index(material_count, "material");
+        }
+      }
+    }
+  }
+  return primitive.index_of("material", material_count, "material");
 }
 
 Mesh MeshReader::read(const JsonView& json, const MeshPose& pose) {
@@ -383,9 +421,7 @@ void MeshReader::finish_normals(const JsonView& json, Primitive& primitive) {
 
 void MeshReader::fill_missing_uvs(const JsonView& json, Primitive& primitive) {
   const Material& m = materials_[static_cast<std::size_t>(primitive.material)];
-  for (const TextureSlot* slot :
-       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.occlusion_texture,
-        &m.emissive_texture, &m.specular_texture, &m.specular_color_texture}) {
+  for (const TextureSlot* slot : texture_slots(m)) {
     auto& uvs = primitive.uvs[static_cast<std::size_t>(slot->uv_set)];
     if (!*slot || !uvs.empty()) continue;
     warnings_.warn(
@@ -396,15 +432,17 @@ void MeshReader::fill_missing_uvs(const JsonView& json, Primitive& primitive) {
 }
 
 void MeshReader::finish_tangents(const JsonView& json, Primitive& primitive) {
-  const TextureSlot& slot = materials_[static_cast<std::size_t>(primitive.material)].normal_texture;
-  if (!slot) {
+  const TextureSlot* slot = tangent_slot(materials_[static_cast<std::size_t>(primitive.material)]);
+  if (slot == nullptr) {
     primitive.tangents = {};
   } else if (!primitive.tangents.empty()) {
     normalize_tangents(primitive);
+  } else if (primitive.uvs[static_cast<std::size_t>(slot->uv_set)].empty()) {
+    turn_tangents(primitive);
   } else {
     // Faces, edges and, in the worst case, a vertex per corner.
     reader_.charge(primitive.triangles.size() * 256, json);
-    generate_tangents(slot, primitive);
+    generate_tangents(*slot, primitive);
   }
 }
 
@@ -430,9 +468,8 @@ std::optional<Primitive> MeshReader::read_primitive(const JsonView& json, const 
 
   Primitive primitive = read_vertices(attributes, positions, selection);
   primitive.triangles = std::move(triangles);
-  const auto material = json.find("material");
-  primitive.material =
-      material ? material_of_file_[material->index(material_of_file_.size(), "material")] : default_material_;
+  const auto material = material_of_primitive(json, material_of_file_.size(), variant_);
+  primitive.material = material ? material_of_file_[*material] : default_material_;
 
   // Pose.
   apply_morph(json, pose.weights, positions.count, selection, primitive);

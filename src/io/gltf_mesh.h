@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,17 +22,28 @@ struct MeshPose {
 /// World-from-bind matrices of a skin (glTF 2.0 §3.7.3.1), checked and counted.
 std::vector<mat4> read_skin(const JsonView& skin, const std::vector<FileNode>& nodes, AccessorReader& reader);
 
+/// One of the file's KHR_materials_variants.
+struct Variant {
+  std::size_t index = 0;
+  std::size_t count = 0;  ///< how many there are
+};
+
+/// The file's index of the material that a primitive wears under `variant`; none = glTF's default.
+std::optional<std::size_t> material_of_primitive(const JsonView& primitive, std::size_t material_count,
+                                                 const std::optional<Variant>& variant);
+
 /// Turns primitives into triangles as the scene promises them.
 class MeshReader {
  public:
   /// `materials` are the scene's; `material_of_file` maps the file's indices to them, `default_material` stands in.
   MeshReader(AccessorReader& reader, Warnings& warnings, std::span<const Material> materials,
-             std::span<const int> material_of_file, int default_material)
+             std::span<const int> material_of_file, int default_material, std::optional<Variant> variant)
       : reader_(reader),
         warnings_(warnings),
         materials_(materials),
         material_of_file_(material_of_file),
-        default_material_(default_material) {}
+        default_material_(default_material),
+        variant_(variant) {}
 
   Mesh read(const JsonView& json, const MeshPose& pose);
 
@@ -58,6 +70,7 @@ class MeshReader {
   std::span<const Material> materials_;
   std::span<const int> material_of_file_;
   int default_material_;
+  std::optional<Variant> variant_;
   std::size_t ignored_ = 0;
 };
 

@@ -35,6 +35,8 @@ void JsonView::expected(const char* what) const {
   throw error(fmt::format("must be {}, not {}", what, value_->type_name()));
 }
 
+bool JsonView::is_object() const { return value_->is_object(); }
+
 std::optional<JsonView> JsonView::find(const char* key) const {
   if (!value_->is_object()) expected("an object");
   const auto it = value_->find(key);

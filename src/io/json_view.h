@@ -22,6 +22,7 @@ class JsonView {
   std::string where() const { return pointer_.empty() ? *file_ : *file_ + '#' + pointer_; }
   Error error(std::string message) const { return Error(std::move(message), where()); }
 
+  bool is_object() const;
   /// Members of an object: empty when absent, an Error when this is no object.
   std::optional<JsonView> find(const char* key) const;
   JsonView at(const char* key) const;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -98,7 +99,7 @@ struct Material {
   float thickness = 0.0f;  ///< metres in the mesh's space; 0 = thin-walled. The path tracer takes the true way inside
   TextureSlot thickness_texture;  ///< G; for the real-time renderer
   float attenuation_distance = kInfinity;
-  vec3 attenuation_color{1.0f};  ///< what is left of white light after attenuation_distance
+  vec3 attenuation_color{1.0f};  ///< what is left of white light after attenuation_distance; above 0
   float dispersion = 0.0f;       ///< 20 / Abbe number
 
   // KHR_materials_diffuse_transmission
@@ -125,6 +126,9 @@ struct Material {
   /// Whether light that enters goes through a body (KHR_materials_volume) rather than a sheet.
   bool has_volume() const { return thickness > 0.0f; }
 };
+
+/// What light meets on it, in the words of the extensions: "metallic-roughness", "clearcoat"…; never empty.
+std::vector<std::string_view> material_lobes(const Material& material);
 
 /// Pointers to every texture slot of a material (const or not), in the order of declaration.
 template <class M>
@@ -154,8 +158,9 @@ auto texture_slots(M& m) {
 /// Triangles with one material. All vertex arrays have the same length or, where optional, are empty.
 struct Primitive {
   std::vector<vec3> positions;
-  std::vector<vec3> normals;   ///< never empty after loading: generated flat when the file has none
-  std::vector<vec4> tangents;  ///< xyz and handedness; empty unless the material has a normal texture
+  std::vector<vec3> normals;  ///< never empty after loading: generated flat when the file has none
+  std::vector<vec4>
+      tangents;  ///< xyz and handedness; empty unless the material has anisotropy or a normal texture, also of the coat
   std::array<std::vector<vec2>, 2> uvs;
   std::vector<vec4> colors;  ///< linear RGBA, multiplies the base colour; may be empty
   std::vector<uvec3> triangles;

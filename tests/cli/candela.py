@@ -4,6 +4,7 @@ The environment variable CANDELA names the program [build/dev/bin/candela]; CAND
 be absent: tests that want it skip then.
 """
 
+import base64
 import dataclasses
 import json
 import os
@@ -131,6 +132,29 @@ def triangle_glb():
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(positions), b"BIN\0") + positions
     return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+
+
+def variants_gltf():
+    """One triangle that fills most of a picture and shines green; its variant "sunset" shines red and has a coat."""
+    positions = base64.b64encode(struct.pack("<9f", -4, -4, 0, 4, -4, 0, 0, 8, 0)).decode()
+    coat = {"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1}}}
+    dressed = {"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [1]}]}}
+    scene = {
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_materials_variants", "KHR_materials_clearcoat"],
+        "extensions": {"KHR_materials_variants": {"variants": [{"name": "noon"}, {"name": "sunset"}]}},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0, "extensions": dressed}]}],
+        "materials": [
+            {"name": "green", "emissiveFactor": [0, 1, 0]},
+            {"name": "red", "emissiveFactor": [1, 0, 0], **coat},
+        ],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + positions}],
+    }
+    return json.dumps(scene)
 
 
 def png_pixels(path):

@@ -7,7 +7,7 @@ import struct
 import time
 
 import candela
-from candela import CliTest, TINY, triangle_glb
+from candela import CliTest, TINY, triangle_glb, variants_gltf
 
 
 class Info(CliTest):
@@ -31,6 +31,15 @@ class Info(CliTest):
         self.assertEqual([camera["name"] for camera in info["cameras"]], ["near", ""])
         self.assertEqual(info["generator"], "candela tests")
         self.assertEqual(info["bytes"], len(triangle_glb()))
+
+    def test_materials_say_their_lobes_and_variants_are_listed(self):
+        (self.folder / "a.gltf").write_text(variants_gltf().replace('"material": 0', '"material": 1'))
+        info = self.json_of("a.gltf")
+        self.assertEqual(info["materials"], [{"name": "red", "lobes": ["metallic-roughness", "clearcoat"]}])
+        self.assertEqual(info["variants"], ["noon", "sunset"])
+        text = self.succeeds("info", "a.gltf").out
+        self.assertRegex(text, r"(?m)^ +0 red: metallic-roughness, clearcoat$")
+        self.assertRegex(text, r"(?m)^variants +2\n +0 noon\n +1 sunset$")
 
     def test_textures_have_sizes_and_memory(self):
         info = self.json_of(self.assets() / "models" / "BoxTextured" / "glTF-Binary" / "BoxTextured.glb")

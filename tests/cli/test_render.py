@@ -10,7 +10,7 @@ import signal
 import time
 
 import candela
-from candela import CliTest, TINY, png_pixels, triangle_glb
+from candela import CliTest, TINY, png_pixels, triangle_glb, variants_gltf
 
 SPHERES = ("render", "demo:spheres")
 
@@ -134,6 +134,28 @@ class Pictures(CliTest):
         self.assertEqual(picture("far.png", "--camera", "far"), far)
         self.assertNotEqual(picture("wide.png", "--camera", "near", "--fov", "90deg"), near)
         self.fails("render", "a.glb", *TINY, "-o", "2.png", "--camera", "nobody", says="nobody")
+
+    def test_variant_changes_the_material(self):
+        (self.folder / "a.gltf").write_text(variants_gltf())
+        centre = {}
+        for name, option in {"": (), "noon": ("--variant", "noon"), "sunset": ("--variant", "sunset")}.items():
+            self.succeeds("render", "a.gltf", *TINY, "-o", "a.png", "--env", "none", "--eye", "0,0,4", "--target", "0,0,0",
+                          "--exposure", "0", *option)  # fmt: skip
+            _, _, channels, rows = png_pixels(self.folder / "a.png")
+            centre[name] = rows[6][8 * channels : 8 * channels + 3]
+        self.assertGreater(centre[""][1], centre[""][0] + 50)
+        self.assertEqual(centre["noon"], centre[""])
+        self.assertGreater(centre["sunset"][0], centre["sunset"][1] + 50)
+
+    def test_variants_of_a_real_model_differ(self):
+        shoe = self.assets() / "models" / "MaterialsVariantsShoe" / "glTF" / "MaterialsVariantsShoe.gltf"
+        if not shoe.exists():
+            self.skipTest(f"{shoe.name} is absent")
+        seen = set()
+        for name in ("midnight", "beach", "street"):
+            self.succeeds("render", shoe, *TINY, "-o", "a.png", "--variant", name)
+            seen.add((self.folder / "a.png").read_bytes())
+        self.assertEqual(len(seen), 3)
 
     def test_environment_file_lights_the_scene(self):
         red = bytes([128, 0, 0, 129])  # RGBE: 1, 0, 0
@@ -314,6 +336,11 @@ class BadInput(CliTest):
     def test_unknown_camera(self):
         self.fails(*SPHERES, *TINY, "--camera", "nobody", "-o", "a.png", says="nobody|camera")
         self.fails(*SPHERES, *TINY, "--camera", "999", "-o", "a.png", says="999|camera")
+
+    def test_unknown_variant(self):
+        (self.folder / "a.gltf").write_text(variants_gltf())
+        self.fails("render", "a.gltf", *TINY, "-o", "a.png", "--variant", "dusk", says="'dusk'.*: noon, sunset")
+        self.fails(*SPHERES, *TINY, "-o", "a.png", "--variant", "noon", says="demo:spheres: .*no variants")
 
     def test_camera_inside_its_target(self):
         self.fails(*SPHERES, *TINY, "--eye", "1,2,3", "--target", "1,2,3", "-o", "a.png", says="--eye")

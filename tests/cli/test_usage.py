@@ -21,7 +21,7 @@ class Usage(CliTest):
     def test_render_help_has_every_option_examples_and_scenes(self):
         text = self.succeeds("render", "--help").out
         for option in (
-            "--output --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
+            "--output --variant --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
             "--target --fov --f-number --focus-distance --blades --vignetting --env --sun-elevation --env-rotation "
             "--env-intensity --background --exposure --tonemap --aov --stats --quiet --strict --engine"
         ).split():
@@ -77,6 +77,7 @@ class Usage(CliTest):
             "--eye": ["1,2", "1,2,x", "1,2,3,4", "inf,0,0", "1e39,0,0"],
             "--exposure": ["bright", "nan", "f/8,1/125"],
             "--tonemap": ["filmic", ""],
+            "--variant": [""],
             "--background": ["#12345", "#gggggg", "1,2", "mauve", "-1,0,0", "nan,0,0"],
             "--aov": ["colour", "albedo,,normal", ""],
             "--filter": ["mitchell"],

@@ -7,14 +7,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace candela;
   Diagnostics diagnostics;
   try {
-    Scene scene =
-        io::load_gltf(std::as_bytes(std::span(data, size)), {}, diagnostics, io::LoadOptions{.decode_images = false});
+    const auto bytes = std::as_bytes(std::span(data, size));
+    io::LoadOptions options{.decode_images = false};
+    io::FileInfo info;
+    Scene scene = io::load_gltf(bytes, {}, diagnostics, options, &info);
+    if (!info.variants.empty()) {
+      options.variant = info.variants.front();
+      scene = io::load_gltf(bytes, {}, diagnostics, options);
+    }
     // Pixels are all that validate() may miss.
     scene.images.clear();
     scene.textures.clear();
     for (Material& m : scene.materials) {
-      m.base_color_texture = m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture =
-          m.emissive_texture = m.specular_texture = m.specular_color_texture = {};
+      for (TextureSlot* slot : texture_slots(m)) *slot = {};
     }
     validate(scene);
     world_bounds(scene);

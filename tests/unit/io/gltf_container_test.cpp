@@ -180,11 +180,10 @@ TEST(unit_io_gltf, file_info_repeats_what_the_file_says) {
 
 TEST(unit_io_gltf, extensions_are_refused_ignored_or_silent) {
   Builder b = triangle();
-  b.root["extensionsUsed"] = {"KHR_materials_clearcoat", "KHR_xmp_json_ld", "KHR_texture_transform",
-                              "KHR_materials_clearcoat"};
+  b.root["extensionsUsed"] = {"EXT_texture_webp", "KHR_xmp_json_ld", "KHR_texture_transform", "EXT_texture_webp"};
   const Loaded loaded = load(b);
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_EQ(loaded.warnings[0].message, "KHR_materials_clearcoat is not supported and will be ignored");
+  EXPECT_EQ(loaded.warnings[0].message, "EXT_texture_webp is not supported and will be ignored");
   b.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   EXPECT_THAT(error_of(b), HasSubstr("requires KHR_draco_mesh_compression"));
   b.root["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_xmp_json_ld"};

@@ -43,7 +43,6 @@ TEST(unit_io_gltf_material, every_factor_and_slot_arrives) {
                              {"extensions",
                               {{"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}},
                                {"KHR_materials_ior", {{"ior", 1.33}}},
-                               {"KHR_materials_unlit", json::object()},
                                {"KHR_materials_specular",
                                 {{"specularFactor", 0.9},
                                  {"specularTexture", texture(5)},
@@ -65,7 +64,7 @@ TEST(unit_io_gltf_material, every_factor_and_slot_arrives) {
   EXPECT_EQ(m.alpha_mode, AlphaMode::mask);
   EXPECT_EQ(m.alpha_cutoff, 0.25f);
   EXPECT_TRUE(m.double_sided);
-  EXPECT_TRUE(m.unlit);
+  EXPECT_FALSE(m.unlit);
   EXPECT_EQ(m.ior, 1.33f);
   EXPECT_EQ(m.specular, 0.9f);
   EXPECT_EQ(m.specular_color, vec3(2, 1, 0.5f));

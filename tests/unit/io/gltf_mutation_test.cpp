@@ -9,13 +9,18 @@ namespace {
 
 constexpr int kMutantsPerSeed = 1500;
 
-/// Loads with every kind of result allowed but a crash, a hang or an exception other than Error.
+/// Loads, once for each of the first few variants that the file has, with every kind of result allowed but a crash, a
+/// hang or an exception other than Error.
 bool loads(std::span<const std::byte> bytes) {
   Diagnostics diagnostics;
   try {
-    const Scene scene = load_gltf(bytes, {}, diagnostics, LoadOptions{.decode_images = true});
+    FileInfo info;
+    const Scene scene = load_gltf(bytes, {}, diagnostics, LoadOptions(), &info);
     validate(scene);
     world_bounds(scene);
+    for (std::size_t i = 0; i < std::min<std::size_t>(info.variants.size(), 2); ++i) {
+      validate(load_gltf(bytes, {}, diagnostics, LoadOptions{.variant = info.variants[i]}));
+    }
     return true;
   } catch (const Error& error) {
     EXPECT_FALSE(error.message().empty());

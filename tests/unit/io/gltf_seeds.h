@@ -4,6 +4,45 @@
 
 namespace candela::io::test {
 
+/// Every extension that a metallic-roughness material may have, each with all its members.
+inline Builder layered() {
+  Builder b = with_material(json::parse(R"({
+      "name": "layers", "extras": {"candela": {"conductor": "gold"}}, "extensions": {
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatTexture": {"index": 0}, "clearcoatRoughnessFactor": 0.2,
+          "clearcoatRoughnessTexture": {"index": 0}, "clearcoatNormalTexture": {"index": 0, "scale": 0.5, "texCoord": 1}},
+        "KHR_materials_sheen": {"sheenColorFactor": [0.1, 0.2, 0.3], "sheenColorTexture": {"index": 0},
+          "sheenRoughnessFactor": 0.4, "sheenRoughnessTexture": {"index": 0}},
+        "KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyRotation": 1, "anisotropyTexture": {"index": 0}},
+        "KHR_materials_iridescence": {"iridescenceFactor": 0.5, "iridescenceTexture": {"index": 0}, "iridescenceIor": 1.4,
+          "iridescenceThicknessMinimum": 200, "iridescenceThicknessMaximum": 300, "iridescenceThicknessTexture": {"index": 0}},
+        "KHR_materials_transmission": {"transmissionFactor": 0.5, "transmissionTexture": {"index": 0}},
+        "KHR_materials_volume": {"thicknessFactor": 0.5, "thicknessTexture": {"index": 0}, "attenuationDistance": 0.25,
+          "attenuationColor": [0, 0.5, 1]},
+        "KHR_materials_dispersion": {"dispersion": 0.5},
+        "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.5, "diffuseTransmissionTexture": {"index": 0},
+          "diffuseTransmissionColorFactor": [1, 0.5, 0], "diffuseTransmissionColorTexture": {"index": 0}},
+        "KHR_materials_volume_scatter": {"multiscatterColor": [0.5, 0.25, 0], "scatterAnisotropy": 0.25}}})"));
+  add_texture(b);
+  return b;
+}
+
+/// Two variants of one triangle: specular-glossiness, and without light. A third material scatters by the later draft.
+inline Builder dressed() {
+  Builder b = with_material(json::parse(R"({
+      "extensions": {"KHR_materials_volume": {"thicknessFactor": 1}, "KHR_materials_scatter": {"scatterStrengthFactor": 0.5,
+        "scatterStrengthTexture": {"index": 0}, "multiscatterColorFactor": [1, 0.5, 0.25], "scatterAnisotropy": -0.5}}})"));
+  b.root["materials"].push_back(json::parse(R"({
+      "name": "glossy", "extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.1, 0.2, 0.3, 0.4],
+        "diffuseTexture": {"index": 0}, "specularFactor": [0.5, 0.6, 0.7], "glossinessFactor": 0.25,
+        "specularGlossinessTexture": {"index": 0}}}})"));
+  b.root["materials"].push_back({{"extensions", {{"KHR_materials_unlit", json::object()}}}});
+  add_texture(b);
+  b.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "glossy"}}, {{"name", "flat"}}};
+  primitive(b)["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}},
+                                                                      {{"material", 2}, {"variants", {1}}}};
+  return b;
+}
+
 /// Small files that together touch every part of the loader: what mutation and fuzzing start from.
 inline std::vector<Builder> seed_files() {
   std::vector<Builder> seeds;
@@ -15,15 +54,18 @@ inline std::vector<Builder> seed_files() {
         "baseColorTexture": {"index": 0, "texCoord": 1, "extensions": {"KHR_texture_transform": {"offset": [1, 2], "rotation": 0.3, "scale": [2, -1], "texCoord": 0}}},
         "metallicRoughnessTexture": {"index": 0}},
       "normalTexture": {"index": 1, "scale": 2}, "occlusionTexture": {"index": 0, "strength": 0.5}, "emissiveTexture": {"index": 1},
-      "extensions": {"KHR_materials_ior": {"ior": 1.33}, "KHR_materials_unlit": {}, "KHR_materials_emissive_strength": {"emissiveStrength": 8},
+      "extensions": {"KHR_materials_ior": {"ior": 1.33}, "KHR_materials_emissive_strength": {"emissiveStrength": 8},
         "KHR_materials_specular": {"specularFactor": 0.9, "specularColorFactor": [2, 1, 0.5], "specularTexture": {"index": 0}}}})"));
   add_texture(material);
   material.root["images"].push_back({{"uri", "data:image/png;base64," + base64(tiny_png())}});
   material.root["textures"].push_back({{"source", 1}, {"sampler", 0}});
   material.root["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}}};
-  material.root["extensionsUsed"] = {"KHR_materials_ior", "KHR_texture_transform", "KHR_materials_clearcoat"};
+  material.root["extensionsUsed"] = {"KHR_materials_ior", "KHR_texture_transform", "KHR_texture_basisu"};
   material.root["extensionsRequired"] = {"KHR_texture_transform"};
   seeds.push_back(material);
+
+  seeds.push_back(layered());
+  seeds.push_back(dressed());
 
   Builder skinned = triangle();
   auto& attributes = primitive(skinned)["attributes"];

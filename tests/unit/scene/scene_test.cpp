@@ -104,6 +104,68 @@ TEST(unit_scene, bounds_are_those_of_the_transformed_vertices) {
   EXPECT_TRUE(world_bounds(scene).empty());
 }
 
+TEST(unit_scene, the_ranges_that_formulas_rely_on_are_checked) {
+  struct Case {
+    float Material::*field;
+    float wrong;
+  };
+  for (const Case& c : {Case{&Material::opacity, 1.5f},
+                        {&Material::metallic, -0.5f},
+                        {&Material::roughness, 1.5f},
+                        {&Material::ior, 0.5f},
+                        {&Material::clearcoat, 1.5f},
+                        {&Material::clearcoat_roughness, -0.5f},
+                        {&Material::sheen_roughness, 1.5f},
+                        {&Material::anisotropy, -0.5f},
+                        {&Material::iridescence, 2},
+                        {&Material::iridescence_ior, 0.9f},
+                        {&Material::iridescence_thickness_min_nm, -1},
+                        {&Material::iridescence_thickness_max_nm, -1},
+                        {&Material::transmission, 1.5f},
+                        {&Material::thickness, -1},
+                        {&Material::attenuation_distance, 0},
+                        {&Material::dispersion, -1},
+                        {&Material::diffuse_transmission, 1.5f},
+                        {&Material::scatter_anisotropy, -1}}) {
+    Scene scene = small_scene();
+    scene.materials[0].*c.field = c.wrong;
+    EXPECT_THAT(error_of(scene), HasSubstr("materials/0: ")) << c.wrong;
+  }
+  for (vec3 Material::*const color :
+       {&Material::sheen_color, &Material::attenuation_color, &Material::conductor_n, &Material::multiscatter_color,
+        &Material::diffuse_transmission_color, &Material::conductor_k}) {
+    Scene scene = small_scene();
+    (scene.materials[0].*color).y = -1;
+    EXPECT_THAT(error_of(scene), HasSubstr("materials/0: "));
+  }
+  Scene scene = small_scene();
+  scene.materials[0].attenuation_color = vec3(0);
+  EXPECT_THAT(error_of(scene), HasSubstr("materials/0: "));
+  scene = small_scene();
+  scene.materials[0].ior = 0;
+  EXPECT_EQ(error_of(scene), "valid");
+}
+
+TEST(unit_scene, lobes_are_those_that_have_an_effect) {
+  using Lobes = std::vector<std::string_view>;
+  Material m;
+  EXPECT_EQ(material_lobes(m), Lobes{"metallic-roughness"});
+  m.anisotropy = m.iridescence = m.clearcoat = m.transmission = m.diffuse_transmission = m.thickness = 0.5f;
+  m.sheen_color = m.multiscatter_color = m.conductor_k = vec3(0.5f);
+  m.dispersion = 1;
+  EXPECT_EQ(material_lobes(m),
+            (Lobes{"metallic-roughness", "conductor", "anisotropy", "iridescence", "clearcoat", "sheen", "transmission",
+                   "diffuse transmission", "volume", "scattering", "dispersion"}));
+  // Nothing that is inside a volume shows when no light enters it.
+  m.transmission = m.diffuse_transmission = 0;
+  EXPECT_EQ(material_lobes(m).back(), "sheen");
+  m = {};
+  m.specular_glossiness = true;
+  EXPECT_EQ(material_lobes(m), Lobes{"specular-glossiness"});
+  m.unlit = true;
+  EXPECT_EQ(material_lobes(m), Lobes{"unlit"});
+}
+
 TEST(unit_scene, a_good_scene_is_valid_and_each_broken_promise_is_found) {
   EXPECT_EQ(error_of(small_scene()), "valid");
   const auto broken = [](auto change) {
