@@ -88,6 +88,7 @@ class Usage(CliTest):
             "--vignetting": ["-0.1", "1.1", "nan"],
             "--env-intensity": ["-1", "inf", "nan"],
             "--env-rotation": ["north", "nan"],
+            "--light-falloff": ["cube", "polynomial:1,2", "polynomial:0,0,0", "polynomial:1,-1,0"],
             "--stats": [""],
             "--sun-elevation": ["91", "-6", "noon"],
         }
