@@ -23,7 +23,7 @@ class Usage(CliTest):
         for option in (
             "--output --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
             "--target --fov --f-number --focus-distance --blades --vignetting --env --sun-elevation --env-rotation "
-            "--env-intensity --background --exposure --tonemap --aov --stats --quiet --strict --engine"
+            "--env-intensity --light-falloff --background --exposure --tonemap --aov --stats --quiet --strict --engine"
         ).split():
             self.assertIn(option, text)
         self.assertIn("candela render demo:materials -o", text)
