@@ -125,9 +125,18 @@ void describe_cameras_and_lights(const Scene& scene, Json& json, Table& table) {
   json["lights"] = Json::array();
   lines.clear();
   for (const Light& light : scene.lights) {
-    json["lights"].push_back({{"name", light.name}, {"type", light_type(light.type)}, {"intensity", light.intensity}});
-    lines.push_back(fmt::format("{}, {}, {:.4g} {}", or_unnamed(light.name), light_type(light.type), light.intensity,
-                                light.type == LightType::directional ? "lux" : "cd"));
+    const std::string type = light.ies >= 0 ? "IES profile" : light_type(light.type);
+    Json entry = {{"name", light.name}, {"type", type}, {"intensity", light.intensity}};
+    std::string strength =
+        fmt::format("{:.4g} {}", light.intensity, light.type == LightType::directional ? "lux" : "cd");
+    if (light.ies >= 0) {
+      const double lumens =
+          static_cast<double>(light.intensity) * ies_flux(scene.ies_profiles[static_cast<std::size_t>(light.ies)]);
+      entry["lumens"] = lumens;
+      strength = fmt::format("{:.4g} lm", lumens);
+    }
+    json["lights"].push_back(std::move(entry));
+    lines.push_back(fmt::format("{}, {}, {}", or_unnamed(light.name), type, strength));
   }
   list(table, "lights", lines);
 }

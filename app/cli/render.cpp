@@ -107,9 +107,17 @@ void set_lens(const RenderOptions& o, const Scene& scene, View& view) {
   view.lens.focus_distance = distance;
 }
 
+void set_falloff(const FalloffChoice& choice, Scene& scene) {
+  for (Light& light : scene.lights) {
+    light.falloff = choice.kind;
+    if (choice.polynomial) light.polynomial = *choice.polynomial;
+  }
+}
+
 Job prepare(const RenderOptions& o, Diagnostics& diagnostics) {
   Job job;
   job.scene = load(o.scene, &diagnostics, o.variant);
+  if (o.light_falloff) set_falloff(*o.light_falloff, job.scene);
   job.environment = make_environment(o.environment.value_or(default_environment(job.scene)));
   job.environment.rotation += o.environment_rotation;
   job.environment.intensity *= o.environment_intensity;

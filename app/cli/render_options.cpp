@@ -148,6 +148,9 @@ void add_light(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--env-intensity", "X", o.environment_intensity, number_within(0.0f, kHuge),
             "Multiplies the environment [1]")
       ->group(group);
+  add_value(verb, "--light-falloff", "KIND", o.light_falloff, parse_falloff,
+            "Of every point and spot: gltf, inverse-square, ue4 or polynomial[:A0,A1,A2] [each light's own]")
+      ->group(group);
 }
 
 void add_running(CLI::App* verb, RenderOptions& o) {

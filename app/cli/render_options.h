@@ -41,6 +41,8 @@ struct RenderOptions {
   float environment_rotation = 0.0f;
   float environment_intensity = 1.0f;
 
+  std::optional<FalloffChoice> light_falloff;
+
   std::optional<std::optional<float>> exposure;  ///< given, and then empty for "auto"
   ToneCurve tone_curve = ToneCurve::pbr_neutral;
   BackgroundChoice background;

@@ -180,6 +180,21 @@ std::string parse_engine(const std::string& text) {
   return one_of(text, std::array<std::pair<std::string_view, std::string>, 1>{{{"path", "path"}}});
 }
 
+FalloffChoice parse_falloff(const std::string& text) {
+  using enum Falloff;
+  constexpr std::string_view kPolynomial = "polynomial:";
+  if (text.starts_with(kPolynomial)) {
+    const vec3 a = parse_vec3(text.substr(kPolynomial.size()));
+    if (glm::any(glm::lessThan(a, vec3(0.0f))) || !(max_component(a) > 0.0f)) {
+      throw UsageError("the coefficients must not be negative, nor all 0");
+    }
+    return {polynomial, a};
+  }
+  return {one_of(text,
+                 std::array<std::pair<std::string_view, Falloff>, 4>{
+                     {{"gltf", gltf}, {"inverse-square", inverse_square}, {"ue4", ue4}, {"polynomial", polynomial}}})};
+}
+
 BackgroundChoice parse_background(const std::string& text) {
   if (text == "env") return {path::Background::environment};
   if (text == "transparent") return {path::Background::transparent};

@@ -40,6 +40,12 @@ struct BackgroundChoice {
 BackgroundChoice parse_background(const std::string& text);
 std::string parse_engine(const std::string& text);
 
+struct FalloffChoice {
+  Falloff kind = Falloff::gltf;
+  std::optional<vec3> polynomial = {};  ///< empty = each light's own
+};
+FalloffChoice parse_falloff(const std::string& text);  ///< a kind, or "polynomial:a0,a1,a2"
+
 /// Metres, or empty for "auto".
 std::optional<float> parse_focus(const std::string& text);
 

@@ -14,6 +14,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "io/gltf_lights.h"
 #include "io/gltf_material.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr auto kSupported = std::to_array<std::string_view>({
+    "EXT_lights_ies",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -144,53 +146,6 @@ Camera read_camera(const JsonView& json) {
   return camera;
 }
 
-/// A number below its limit is brought there and told.
-float at_least(const JsonView& json, const char* key, float fallback, Warnings& warnings) {
-  const float value = json.real_or(key, fallback);
-  if (value >= 0) return value;
-  warnings.warn(fmt::format("{} {} becomes 0", key, value), json);
-  return 0;
-}
-
-Light read_light(const JsonView& json, Warnings& warnings) {
-  Light light;
-  light.name = json.string_or("name");
-  light.color = json.vector_or("color", vec3(1));
-  if (glm::any(glm::lessThan(light.color, vec3(0)))) {
-    warnings.warn("a light has a negative colour; clamped to 0", json);
-    light.color = glm::max(light.color, vec3(0));
-  }
-  light.intensity = at_least(json, "intensity", 1.0f, warnings);
-  if (const auto range = json.find("range")) {
-    light.range = range->real();
-    if (!(light.range > 0)) throw range->error("must be positive");
-  }
-  const std::string& type = json.at("type").string();
-  if (type == "directional") {
-    light.type = LightType::directional;
-  } else if (type == "spot") {
-    light.type = LightType::spot;
-    if (const auto spot = json.find("spot")) {
-      light.inner_cone = at_least(*spot, "innerConeAngle", 0.0f, warnings);
-      light.outer_cone = at_least(*spot, "outerConeAngle", kPi / 4, warnings);
-      const float widest = kPi / 2;
-      if (light.outer_cone > widest || light.outer_cone == 0 || light.inner_cone >= light.outer_cone) {
-        // KHR_lights_punctual: 0 ≤ inner < outer ≤ π/2. Exporters write π/2 rounded up, and inner = outer.
-        if (light.outer_cone > widest * 1.0001f || light.outer_cone == 0 ||
-            light.inner_cone > light.outer_cone * 1.0001f) {
-          warnings.warn(fmt::format("spot angles {} and {} are out of range", light.inner_cone, light.outer_cone),
-                        *spot);
-        }
-        light.outer_cone = std::clamp(light.outer_cone, 1e-3f, widest);
-        light.inner_cone = std::min(light.inner_cone, 0.999f * light.outer_cone);
-      }
-    }
-  } else if (type != "point") {
-    throw json.at("type").error("must be point, spot or directional");
-  }
-  return light;
-}
-
 /// What one node shows: a mesh of the file with its weights, and, where skinned, the node whose skin moves it.
 using MeshKey = std::tuple<std::size_t, std::vector<float>, std::optional<std::size_t>>;
 
@@ -230,7 +185,7 @@ class Loader {
   std::optional<Variant> variant_;
   std::map<MeshKey, std::size_t> mesh_of_key_;            ///< ordered, and so are the scene's meshes
   std::vector<std::optional<std::size_t>> mesh_of_node_;  ///< of the file
-  std::map<std::size_t, int> camera_of_file_, light_of_file_;
+  std::map<std::size_t, int> camera_of_file_, light_of_file_, ies_light_of_node_;
   MaterialSet materials_;
   Scene scene_;
 };
@@ -332,9 +287,11 @@ void Loader::read_cameras_and_lights() {
     index = static_cast<int>(scene_.cameras.size());
     scene_.cameras.push_back(read_camera(root_.at("cameras")[file_index]));
   }
-  for (auto& [file_index, index] : light_of_file_) {
-    index = static_cast<int>(scene_.lights.size());
-    scene_.lights.push_back(read_light(root_.extension("KHR_lights_punctual")->at("lights")[file_index], warnings_));
+  LightReader lights(root_, buffers_, uris_, warnings_, scene_);
+  for (auto& [file_index, index] : light_of_file_) index = lights.add_punctual(file_index);
+  for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
+    const FileNode& node = file_.nodes[i];
+    if (node.in_scene && node.ies) ies_light_of_node_[i] = lights.add_ies(*node.ies);
   }
 }
 
@@ -363,7 +320,7 @@ void Loader::place_nodes() {
       for (const vec3 p : primitive.positions) boxes[i].extend(p);
     }
   }
-  std::vector<Node> skinned;
+  std::vector<Node> appended;
   for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
     const FileNode& source = file_.nodes[i];
     if (!source.in_scene) continue;
@@ -379,15 +336,24 @@ void Loader::place_nodes() {
         Node posed;
         posed.name = source.name;
         posed.mesh = static_cast<int>(*mesh);
-        skinned.push_back(posed);
+        appended.push_back(posed);
       } else {
         check_extent(source, i, boxes[*mesh]);
         node.mesh = static_cast<int>(*mesh);
       }
     }
+    if (source.ies && node.light < 0) {
+      node.light = ies_light_of_node_.at(i);
+    } else if (source.ies) {
+      Node second;
+      second.name = source.name;
+      second.parent = node_of_file[i];
+      second.light = ies_light_of_node_.at(i);
+      appended.push_back(second);
+    }
     scene_.nodes.push_back(std::move(node));
   }
-  scene_.nodes.insert(scene_.nodes.end(), skinned.begin(), skinned.end());
+  scene_.nodes.insert(scene_.nodes.end(), appended.begin(), appended.end());
 }
 
 Scene Loader::load(const FileInfo& info) {

@@ -41,8 +41,9 @@ struct FileInfo {
 /// nothing else, renumbered without gaps in the file's order: other nodes, meshes, materials, images, cameras and
 /// lights are neither read nor decoded. Animations rest. Morph targets and skins are applied as the nodes stand (a mesh
 /// appears once per pose); a skinned mesh, whose node's own transform glTF ignores, moves to a root node of the same
-/// name after the file's nodes. Triangles without an area and vertices without a triangle are dropped. Every uv set
-/// that a primitive's material reads is present, as zeros where the file has none. Coordinates stay within 1e9 metres.
+/// name after the file's nodes; the IES light of a node that has a punctual one too becomes its child there. Triangles
+/// without an area and vertices without a triangle are dropped. Every uv set that a primitive's material reads is
+/// present, as zeros where the file has none. Coordinates stay within 1e9 metres.
 Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
 Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics, const LoadOptions& options,
                 FileInfo* info = nullptr);

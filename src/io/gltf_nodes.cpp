@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace candela::io {
@@ -64,8 +65,21 @@ mat4 read_transform(const JsonView& json, Warnings& warnings) {
 
 /// How many of each a node may refer to.
 struct Counts {
-  std::size_t meshes, skins, cameras, lights;
+  std::size_t meshes, skins, cameras, lights, profiles;
 };
+
+IesUse read_ies_use(const JsonView& json, std::size_t profiles, Warnings& warnings) {
+  IesUse use;
+  use.profile = json.at("light").index(profiles, "light profile");
+  const float multiplier = json.real_or("multiplier", 1.0f);
+  const vec3 color = json.vector_or("color", vec3(1));
+  use.multiplier = std::max(multiplier, 0.0f);
+  use.color = glm::clamp(color, vec3(0), vec3(1));
+  if (use.multiplier != multiplier || use.color != color) {
+    warnings.warn("an IES light's multiplier or colour is out of range and clamped", json);
+  }
+  return use;
+}
 
 FileNode read_node(const JsonView& json, const Counts& counts, Warnings& warnings) {
   FileNode node;
@@ -77,6 +91,7 @@ FileNode read_node(const JsonView& json, const Counts& counts, Warnings& warning
   if (const auto light = json.extension("KHR_lights_punctual")) {
     node.light = light->at("light").index(counts.lights, "light");
   }
+  if (const auto ies = json.extension("EXT_lights_ies")) node.ies = read_ies_use(*ies, counts.profiles, warnings);
   return node;
 }
 
@@ -145,8 +160,9 @@ std::vector<std::size_t> scene_roots(const JsonView& root, FileScene& scene) {
 FileScene read_nodes(const JsonView& root, Warnings& warnings) {
   FileScene scene;
   const auto lights = root.extension("KHR_lights_punctual");
+  const auto profiles = root.extension("EXT_lights_ies");
   const Counts counts{count_of(root, "meshes"), count_of(root, "skins"), count_of(root, "cameras"),
-                      lights ? count_of(*lights, "lights") : 0};
+                      lights ? count_of(*lights, "lights") : 0, profiles ? count_of(*profiles, "lights") : 0};
   if (const auto nodes_json = root.find("nodes")) {
     const std::size_t count = nodes_json->size();
     for (std::size_t i = 0; i < count; ++i) scene.nodes.push_back(read_node((*nodes_json)[i], counts, warnings));

@@ -9,6 +9,13 @@
 
 namespace candela::io {
 
+/// EXT_lights_ies of a node: a profile of the file, brighter or dimmer and tinted.
+struct IesUse {
+  std::size_t profile = 0;
+  float multiplier = 1.0f;
+  vec3 color{1.0f};
+};
+
 struct FileNode {
   std::string name;
   mat4 parent_from_node{1.0f};
@@ -19,6 +26,7 @@ struct FileNode {
   std::optional<std::size_t> skin;
   std::optional<std::size_t> camera;
   std::optional<std::size_t> light;
+  std::optional<IesUse> ies;
   bool in_scene = false;
 };
 

@@ -62,6 +62,13 @@ std::optional<JsonView> JsonView::extension(const char* name) const {
   return extensions ? extensions->find(name) : std::nullopt;
 }
 
+std::optional<JsonView> JsonView::extras(const char* name) const {
+  const auto extras = find("extras");
+  return extras && extras->is_object() ? extras->find(name) : std::nullopt;
+}
+
+bool JsonView::is_object() const { return value_->is_object(); }
+
 std::size_t JsonView::size() const {
   if (!value_->is_array()) expected("an array");
   return value_->size();

@@ -13,6 +13,11 @@ namespace candela::path {
 
 namespace {
 
+static_assert(static_cast<int>(Falloff::inverse_square) == shade::kFalloffInverseSquare &&
+              static_cast<int>(Falloff::gltf) == shade::kFalloffGltf &&
+              static_cast<int>(Falloff::ue4) == shade::kFalloffUe4 &&
+              static_cast<int>(Falloff::polynomial) == shade::kFalloffPolynomial);
+
 /// Keeps sums of absurdly bright lamps finite.
 constexpr float kMostPower = 1e30f;
 
@@ -58,21 +63,34 @@ Lights::Lights(const Scene& scene, const Environment& environment, Geometry& geo
   make_sources();
 }
 
+Lights::PunctualLight Lights::place(const Scene& scene, const Node& node) {
+  PunctualLight p;
+  p.light = scene.lights[static_cast<std::size_t>(node.light)];
+  p.position = vec3(node.world_from_node[3]);
+  const vec3 axis = transform_vector(node.world_from_node, {0, 0, -1});
+  const float length = glm::length(axis);
+  p.direction = length > 0.0f ? axis / length : vec3(0, 0, -1);
+  p.cos_inner = std::cos(p.light.inner_cone);
+  p.cos_outer = std::cos(p.light.outer_cone);
+  const float intensity = luminance(p.light.color) * p.light.intensity;
+  float power = intensity;
+  if (p.light.type == LightType::spot) {
+    power *= shade::light_spot_solid_angle(p.cos_inner, p.cos_outer);
+  } else if (p.light.ies >= 0) {
+    p.ies = &scene.ies_profiles[static_cast<std::size_t>(p.light.ies)];
+    p.frame = frame_from_tangent(-p.direction, glm::normalize(transform_vector(node.world_from_node, {1, 0, 0})));
+    if (glm::determinant(mat3(node.world_from_node)) < 0.0f) p.frame.b = -p.frame.b;
+    power *= static_cast<float>(ies_flux(*p.ies));
+  } else if (p.light.type == LightType::point) {
+    power *= 4.0f * kPi;
+  }
+  p.power = std::min(power, kMostPower);
+  return p;
+}
+
 void Lights::add_punctual(const Scene& scene) {
   for (const Node& node : scene.nodes) {
-    if (node.light < 0) continue;
-    PunctualLight p;
-    p.light = scene.lights[static_cast<std::size_t>(node.light)];
-    p.position = vec3(node.world_from_node[3]);
-    const vec3 axis = transform_vector(node.world_from_node, {0, 0, -1});
-    const float length = glm::length(axis);
-    p.direction = length > 0.0f ? axis / length : vec3(0, 0, -1);
-    p.cos_inner = std::cos(p.light.inner_cone);
-    p.cos_outer = std::cos(p.light.outer_cone);
-    const float intensity = luminance(p.light.color) * p.light.intensity;
-    const float solid_angle = p.light.type == LightType::spot ? 2.0f * kPi * (1.0f - p.cos_outer) : 4.0f * kPi;
-    p.power = std::min(p.light.type == LightType::directional ? intensity : solid_angle * intensity, kMostPower);
-    punctual_.push_back(p);
+    if (node.light >= 0) punctual_.push_back(place(scene, node));
   }
 }
 
@@ -270,10 +288,11 @@ LightSample Lights::sample_punctual(const PunctualLight& p, vec3 position) const
   if (!(s.distance > 0.0f)) return {};
   s.direction = to_light / s.distance;
   s.target = p.position;
-  s.radiance *= shade::light_falloff_gltf(s.distance, p.light.range);
+  s.radiance *= shade::light_falloff(static_cast<int>(p.light.falloff), s.distance, p.light.range, p.light.polynomial);
   if (p.light.type == LightType::spot) {
     s.radiance *= shade::light_spot_gltf(-glm::dot(s.direction, p.direction), p.cos_inner, p.cos_outer);
   }
+  if (p.ies != nullptr) s.radiance *= ies_intensity(*p.ies, p.frame.to_local(-s.direction));
   return s;
 }
 

@@ -43,7 +43,7 @@ struct LightChances {
 /// triangle of it by power.
 class Lights {
  public:
-  /// Numbers the emissive triangles in `geometry`.
+  /// Numbers the emissive triangles in `geometry`. `scene` must outlive this.
   Lights(const Scene& scene, const Environment& environment, Geometry& geometry);
 
   bool can_sample() const { return !sources_.empty(); }
@@ -85,6 +85,8 @@ class Lights {
     Light light;
     vec3 position{0.0f};
     vec3 direction{0, 0, -1};  ///< it shines along
+    Frame frame;               ///< of the light's own space, whatever the node's scale
+    const IesProfile* ies = nullptr;
     float cos_inner = 1.0f, cos_outer = 0.0f;
     float power = 0.0f;  ///< lumens; of a directional light lux
   };
@@ -98,6 +100,7 @@ class Lights {
     Distribution1D choice = {};  ///< of `many`: by power
   };
 
+  static PunctualLight place(const Scene& scene, const Node& node);
   void add_punctual(const Scene& scene);
   void add_triangles(Geometry& geometry);
   void make_sources();

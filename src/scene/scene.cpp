@@ -152,6 +152,14 @@ void validate_cameras_and_lights(const Scene& scene) {
     require(light.range > 0, "the range is not positive", where);
     require(light.inner_cone >= 0 && light.inner_cone < light.outer_cone && light.outer_cone <= kPi / 2,
             "the cones must be 0 <= inner < outer <= pi/2", where);
+    const vec3 a = light.polynomial;
+    require(is_finite(a) && a.x >= 0 && a.y >= 0 && a.z >= 0 && max_component(a) > 0,
+            "the polynomial must not be negative or 0", where);
+    require(none_or_in_range(light.ies, scene.ies_profiles.size()), "the IES profile does not exist", where);
+    require(light.ies < 0 || light.type == LightType::point, "only a point may have an IES profile", where);
+  }
+  for (std::size_t i = 0; i < scene.ies_profiles.size(); ++i) {
+    require(is_valid(scene.ies_profiles[i]), "the IES profile is not well formed", place("ies_profiles", i));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "image/image.h"
 #include "math/types.h"
+#include "scene/ies_profile.h"
 
 /// The scene as plain data, as both renderers read it: metres, radians, right-handed, y up. Objects name each other by
 /// index (-1 = none). Whoever builds a Scene promises what `validate` (below) checks; renderers rely on it.
@@ -189,15 +190,21 @@ struct Camera {
 
 enum class LightType { point, spot, directional };
 
-/// KHR_lights_punctual; shines along the node's -z.
+/// How a point or spot fades with distance; the numbers are shade's kFalloff constants.
+enum class Falloff { inverse_square = 0, gltf = 1, ue4 = 2, polynomial = 3 };
+
+/// KHR_lights_punctual and EXT_lights_ies; shines along the node's -z.
 struct Light {
   std::string name;
   LightType type = LightType::point;
   vec3 color{1.0f};
-  float intensity = 1.0f;  ///< cd for point and spot, lux for directional
-  float range = kInfinity;
-  float inner_cone = 0.0f;
+  float intensity = 1.0f;   ///< cd for point and spot, lux for directional; with a profile its factor
+  float range = kInfinity;  ///< where the windows of Falloff::gltf and ue4 close
+  float inner_cone = 0.0f;  ///< of a spot
   float outer_cone = 0.785398f;
+  Falloff falloff = Falloff::gltf;
+  vec3 polynomial{1, 0, 0};  ///< of Falloff::polynomial: 1 / (x d² + y d + z)
+  int ies = -1;              ///< of a point: which profile its intensity varies by
 };
 
 struct Node {
@@ -242,6 +249,7 @@ struct Scene {
   std::vector<std::shared_ptr<const TextureImage>> images;  ///< never null
   std::vector<Camera> cameras;
   std::vector<Light> lights;
+  std::vector<IesProfile> ies_profiles;
   /// What a built-in scene wishes to be lit by and seen through; files leave them empty.
   std::optional<std::string> preferred_environment;
   std::optional<float> preferred_exposure;  ///< factor, as DevelopSettings::exposure

@@ -23,7 +23,7 @@ class Usage(CliTest):
         for option in (
             "--output --variant --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
             "--target --fov --f-number --focus-distance --blades --vignetting --env --sun-elevation --env-rotation "
-            "--env-intensity --background --exposure --tonemap --aov --stats --quiet --strict --engine"
+            "--env-intensity --light-falloff --background --exposure --tonemap --aov --stats --quiet --strict --engine"
         ).split():
             self.assertIn(option, text)
         self.assertIn("candela render demo:materials -o", text)
@@ -89,6 +89,7 @@ class Usage(CliTest):
             "--vignetting": ["-0.1", "1.1", "nan"],
             "--env-intensity": ["-1", "inf", "nan"],
             "--env-rotation": ["north", "nan"],
+            "--light-falloff": ["cube", "polynomial:1,2", "polynomial:0,0,0", "polynomial:1,-1,0"],
             "--stats": [""],
             "--sun-elevation": ["91", "-6", "noon"],
         }

@@ -43,6 +43,11 @@ inline Builder dressed() {
   return b;
 }
 
+/// A downlight: 100 cd straight down, nothing sideways.
+inline std::string tiny_ies() {
+  return "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 2 1 2 0 0 0\n1 1 50\n0 45 90\n0 90\n100 50 0\n100 40 0\n";
+}
+
 /// Small files that together touch every part of the loader: what mutation and fuzzing start from.
 inline std::vector<Builder> seed_files() {
   std::vector<Builder> seeds;
@@ -118,10 +123,17 @@ inline std::vector<Builder> seed_files() {
        {"range", 4},
        {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}},
       {{"type", "directional"}}};
+  lights.root["extensions"]["KHR_lights_punctual"]["lights"][0]["extras"]["candela"] = {
+      {"temperature_k", 3000}, {"falloff", "polynomial"}, {"polynomial", {1, 0.5, 0.1}}, {"lumens", 800}};
+  const std::string ies = tiny_ies();
+  lights.root["extensions"]["EXT_lights_ies"]["lights"] = {
+      {{"bufferView", lights.view(std::vector<char>(ies.begin(), ies.end()))},
+       {"mimeType", "application/x-ies-lm-63"}}};
   lights.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"aspectRatio", 1.5}}}},
                             {{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", 3}}}}};
   lights.root["nodes"] = {{{"camera", 0}, {"mesh", 0}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
                           {{"camera", 1}, {"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}}};
+  lights.root["nodes"][1]["extensions"]["EXT_lights_ies"] = {{"light", 0}, {"multiplier", 2}, {"color", {1, 0.5, 0}}};
   lights.root["animations"] = {json::object()};
   seeds.push_back(lights);
   return seeds;

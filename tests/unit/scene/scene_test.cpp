@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/error.h"
@@ -205,6 +206,28 @@ TEST(unit_scene, a_good_scene_is_valid_and_each_broken_promise_is_found) {
               HasSubstr("size"));
   EXPECT_THAT(broken([](Scene& s) { s.lights[0].inner_cone = 1; }), HasSubstr("cones"));
   EXPECT_THAT(broken([](Scene& s) { s.lights[0].range = 0; }), HasSubstr("range"));
+  EXPECT_THAT(broken([](Scene& s) { s.lights[0].polynomial = vec3(0); }), HasSubstr("polynomial"));
+  EXPECT_THAT(broken([](Scene& s) { s.lights[0].polynomial.y = -1; }), HasSubstr("polynomial"));
+  EXPECT_THAT(broken([](Scene& s) { s.lights[0].ies = 0; }), HasSubstr("the IES profile does not exist"));
+  const auto with_profile = [&](auto change) {
+    return broken([&](Scene& s) {
+      s.ies_profiles.resize(1);
+      s.ies_profiles[0].vertical_deg = {0, 90};
+      s.ies_profiles[0].horizontal_deg = {0, 180, 360};
+      s.ies_profiles[0].candela.assign(6, 1.0f);
+      s.lights[0].ies = 0;
+      change(s);
+    });
+  };
+  EXPECT_EQ(with_profile([](Scene&) {}), "valid");
+  EXPECT_THAT(with_profile([](Scene& s) { s.lights[0].type = LightType::spot; }), HasSubstr("only a point"));
+  for (const auto& change : std::vector<std::function<void(IesProfile&)>>{
+           [](IesProfile& p) { p.candela.pop_back(); }, [](IesProfile& p) { p.candela[0] = -1; },
+           [&](IesProfile& p) { p.candela[0] = nan; }, [](IesProfile& p) { p.vertical_deg[1] = 0; },
+           [](IesProfile& p) { p.vertical_deg[1] = 181; }, [](IesProfile& p) { p.horizontal_deg[2] = 270; },
+           [](IesProfile& p) { p.horizontal_deg[1] = 0; }}) {
+    EXPECT_THAT(with_profile([&](Scene& s) { change(s.ies_profiles[0]); }), HasSubstr("ies_profiles/0"));
+  }
 }
 
 }  // namespace

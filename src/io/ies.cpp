@@ -1,0 +1,302 @@
+#include "io/ies.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "base/file.h"
+
+namespace candela::io {
+
+namespace {
+
+constexpr std::size_t kLargestFile = std::size_t{8} << 20;  // real ones have some ten kilobytes
+constexpr double kLargestCandela = 1e12;                    // a lighthouse has 1e7; keeps sums of a scene finite
+constexpr float kLeastStep = 1e-3f;  // degrees between angles: stays above a float's step when mirrored up to 360
+
+/// Lines at first, then numbers that flow over lines; it always knows the line it is in. CR, LF and CR LF end a line.
+class Reader {
+ public:
+  Reader(std::string_view text, const std::string& where) : text_(text), where_(where) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
+  }
+
+  [[noreturn]] void fail(const std::string& message) const {
+    throw Error(fmt::format("line {}: {}", line_, message), where_);
+  }
+
+  /// Without blanks at its ends; empty optional at the end of the text.
+  std::optional<std::string_view> next_line() {
+    if (at_ >= text_.size()) return std::nullopt;
+    if (started_) line_ += 1;
+    started_ = true;
+    const std::size_t begin = at_;
+    const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
+    at_ = std::min(end + (text_.substr(end).starts_with("\r\n") ? 2 : 1), text_.size());
+    std::string_view line = text_.substr(begin, end - begin);
+    while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+    while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+    return line;
+  }
+
+  /// Called once, after the last next_line(): what follows stands in the next line.
+  void begin_numbers() { line_ += 1; }
+
+  /// The next number. `what`, number `index` of `count` where there are several, names it in errors.
+  double number(const char* what, std::size_t index = 0, std::size_t count = 0) {
+    const auto name = [&] {
+      return count > 0 ? fmt::format("{} {} of {}", what, index + 1, count) : std::string(what);
+    };
+    skip_separators();
+    if (at_ >= text_.size()) fail(fmt::format("the file ends before the {}", name()));
+    const std::size_t begin = at_;
+    while (at_ < text_.size() && !is_separator(text_[at_])) at_ += 1;
+    std::string_view token = text_.substr(begin, at_ - begin);
+    const std::string_view digits = token.starts_with('+') ? token.substr(1) : token;
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
+      fail(fmt::format("the {} is '{}', which is no finite number", name(), printable(token)));
+    }
+    return value;
+  }
+
+  std::size_t whole(const char* what, std::size_t most) {
+    const double value = number(what);
+    if (!(value >= 0.0 && value <= static_cast<double>(most)) || value != std::floor(value)) {
+      fail(fmt::format("the {} is {:g}; must be a whole number from 0 to {}", what, value, most));
+    }
+    return static_cast<std::size_t>(value);
+  }
+
+  bool has_more() {
+    skip_separators();
+    return at_ < text_.size();
+  }
+  /// How many numbers there can be in the rest of the text at most.
+  std::size_t capacity() const { return (text_.size() - at_ + 1) / 2; }
+
+ private:
+  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\f' || c == '\v' || c == '\0' || c == '\x1A'; }
+  static bool is_separator(char c) { return is_blank(c) || c == ',' || c == '\r' || c == '\n'; }
+  static std::string printable(std::string_view token) {
+    constexpr std::size_t kMostShown = 20;
+    std::string out(token.substr(0, kMostShown));
+    std::replace_if(
+        out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return out;
+  }
+  void skip_separators() {
+    for (; at_ < text_.size() && is_separator(text_[at_]); ++at_) {
+      const bool is_first_of_two = text_[at_] == '\r' && at_ + 1 < text_.size() && text_[at_ + 1] == '\n';
+      if (text_[at_] == '\n' || (text_[at_] == '\r' && !is_first_of_two)) line_ += 1;
+    }
+  }
+
+  std::string_view text_;
+  const std::string& where_;
+  std::size_t at_ = 0;
+  std::size_t line_ = 1;
+  bool started_ = false;
+};
+
+struct Header {
+  bool has_lamp_factor = false;  ///< the number after the ballast factor multiplies too; later it means something else
+  bool has_tilt_table = false;
+};
+
+/// Everything up to the line TILT=…
+Header read_header(Reader& reader, const std::string& where, Diagnostics& diagnostics) {
+  Header header;
+  const auto first = reader.next_line();
+  if (!first) throw Error("line 1: the file is empty", where);
+  // 1986 had no such line: its label lines begin at once.
+  header.has_lamp_factor = !first->starts_with("IESNA:LM-63") && !first->starts_with("IES:LM-63");
+  for (auto line = first; line; line = reader.next_line()) {
+    if (!line->starts_with("TILT=")) continue;
+    std::string_view tilt = line->substr(5);
+    while (tilt.starts_with(' ')) tilt.remove_prefix(1);
+    header.has_tilt_table = tilt == "INCLUDE";
+    if (!header.has_tilt_table && tilt != "NONE") {
+      diagnostics.warn("the tilt factors stand in another file and are left out", where);
+    }
+    return header;
+  }
+  reader.fail("no line begins with TILT=; this is no IES file");
+}
+
+/// Lamp-to-luminaire geometry, angles and factors by which a lamp that is mounted askew gives less light.
+void skip_tilt_table(Reader& reader) {
+  reader.whole("lamp-to-luminaire geometry", 3);
+  const std::size_t count = reader.whole("number of tilt angles", reader.capacity());
+  for (std::size_t i = 0; i < count; ++i) reader.number("tilt angle", i, count);
+  for (std::size_t i = 0; i < count; ++i) reader.number("tilt factor", i, count);
+}
+
+double positive(Reader& reader, const char* what) {
+  const double value = reader.number(what);
+  if (!(value > 0.0)) reader.fail(fmt::format("the {} is {:g}; must be positive", what, value));
+  return value;
+}
+
+std::vector<float> read_angles(Reader& reader, const char* what, std::size_t count, double highest) {
+  std::vector<float> angles(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double angle = reader.number(what, i, count);
+    if (!(angle >= 0.0 && angle <= highest)) {
+      reader.fail(fmt::format("{} {} of {} is {:g}; must lie within 0 to {:g}", what, i + 1, count, angle, highest));
+    }
+    angles[i] = static_cast<float>(angle);
+    if (i > 0 && !(angles[i] >= angles[i - 1] + kLeastStep)) {
+      reader.fail(fmt::format("{} {} of {} is {:g}; must be greater than the one before, {:g}", what, i + 1, count,
+                              angle, angles[i - 1]));
+    }
+    // Whole quarters exactly: they say what the symmetry is.
+    const float quarter = 90.0f * std::round(angles[i] / 90.0f);
+    if (std::fabs(angles[i] - quarter) < 0.4f * kLeastStep) angles[i] = quarter;
+  }
+  return angles;
+}
+
+/// Rows of candela values with the horizontal angle of each.
+struct Rows {
+  std::size_t length = 0;
+  std::vector<float> angles;
+  std::vector<float> values;
+
+  const float* row(std::size_t i) const { return values.data() + i * length; }
+  void add(float angle, const Rows& from, std::size_t i) {
+    angles.push_back(angle);
+    values.insert(values.end(), from.row(i), from.row(i) + length);
+  }
+};
+
+/// Adds the mirror images of all rows but the last at `axis`, which the last row stands on.
+void mirror_at(Rows& rows, float axis) {
+  const Rows half_turn = rows;
+  for (std::size_t i = half_turn.angles.size() - 1; i-- > 0;) rows.add(2.0f * axis - half_turn.angles[i], half_turn, i);
+}
+
+/// From 90 … 270 (LM-63-1995, symmetric about the plane of 90° and 270°) to 0 … 180 … 360.
+Rows unfolded_sideways(const Rows& rows) {
+  Rows whole;
+  whole.length = rows.length;
+  const auto& angles = rows.angles;
+  // The row of 180° becomes 0° and 360° too; interpolated where the file has none.
+  const auto after = static_cast<std::size_t>(std::lower_bound(angles.begin(), angles.end(), 180.0f) - angles.begin());
+  Rows back;
+  back.length = rows.length;
+  for (std::size_t i = 0; i < after; ++i) back.add(angles[i], rows, i);
+  if (angles[after] != 180.0f) {
+    const float t = (180.0f - angles[after - 1]) / (angles[after] - angles[after - 1]);
+    back.angles.push_back(180.0f);
+    for (std::size_t k = 0; k < rows.length; ++k) {
+      back.values.push_back(rows.row(after - 1)[k] * (1.0f - t) + rows.row(after)[k] * t);
+    }
+  }
+  for (std::size_t i = after; i < angles.size(); ++i) back.add(angles[i], rows, i);
+  const std::size_t middle = after;
+  for (std::size_t i = middle + 1; i-- > 0;) whole.add(180.0f - back.angles[i], back, i);
+  for (std::size_t i = 1; i < back.angles.size(); ++i) whole.add(back.angles[i], back, i);
+  for (std::size_t i = back.angles.size() - 1; i-- > middle;) whole.add(540.0f - back.angles[i], back, i);
+  return whole;
+}
+
+/// By the range of the horizontal angles, which says the symmetry (LM-63-1995 §5.15).
+void unfold(Rows& rows, const Reader& reader, const std::string& where, Diagnostics& diagnostics) {
+  if (rows.angles.size() == 1) {
+    rows.angles[0] = 0.0f;
+    return;
+  }
+  const float first = rows.angles.front(), last = rows.angles.back();
+  if (first == 90.0f && last == 270.0f) {
+    rows = unfolded_sideways(rows);
+    return;
+  }
+  if (first == 0.0f && last > 180.0f && last < 360.0f) {
+    diagnostics.warn(fmt::format("the horizontal angles end at {:g}; the circle is closed with those of 0", last),
+                     where);
+    const Rows open = rows;
+    rows.add(360.0f, open, 0);
+    return;
+  }
+  if (first != 0.0f || (last != 90.0f && last != 180.0f && last != 360.0f)) {
+    reader.fail(
+        fmt::format("the horizontal angles run from {:g} to {:g}; must be one alone, 0 to 90, 0 to 180, "
+                    "0 to 360 or 90 to 270",
+                    first, last));
+  }
+  if (last == 90.0f) mirror_at(rows, 90.0f);
+  if (last != 360.0f) mirror_at(rows, 180.0f);
+}
+
+}  // namespace
+
+IesProfile parse_ies(std::string_view text, const std::string& where, Diagnostics& diagnostics) {
+  if (text.size() > kLargestFile) throw Error("line 1: the file is larger than 8 MiB", where);
+  Reader reader(text, where);
+  const Header header = read_header(reader, where, diagnostics);
+  reader.begin_numbers();
+  if (header.has_tilt_table) skip_tilt_table(reader);
+
+  // ----- the lamp
+  reader.number("number of lamps");
+  reader.number("lumens per lamp");  // -1: absolute photometry
+  const double multiplier = positive(reader, "candela multiplier");
+  const std::size_t vertical_count = reader.whole("number of vertical angles", reader.capacity());
+  if (vertical_count < 2) reader.fail("needs at least 2 vertical angles");
+  const std::size_t horizontal_count = reader.whole("number of horizontal angles", reader.capacity());
+  if (horizontal_count < 1) reader.fail("needs at least 1 horizontal angle");
+  if (vertical_count > reader.capacity() / horizontal_count) {
+    reader.fail(fmt::format("the file is too short for {} × {} candela values", vertical_count, horizontal_count));
+  }
+  const std::size_t type = reader.whole("photometric type", 3);
+  if (type != 1) {
+    reader.fail(type == 2   ? "the photometric type is B; only C is supported"
+                : type == 3 ? "the photometric type is A; only C is supported"
+                            : "the photometric type must be 1 (C), 2 (B) or 3 (A)");
+  }
+  for (const char* what : {"units type", "width", "length", "height"}) reader.number(what);
+  const double ballast_factor = positive(reader, "ballast factor");
+  const double lamp_factor = header.has_lamp_factor ? positive(reader, "ballast-lamp photometric factor")
+                                                    : (reader.number("reserved field"), 1.0);
+  reader.number("input watts");
+
+  // ----- the table
+  IesProfile profile;
+  profile.vertical_deg = read_angles(reader, "vertical angle", vertical_count, 180.0);
+  Rows rows;
+  rows.length = vertical_count;
+  rows.angles = read_angles(reader, "horizontal angle", horizontal_count, 360.0);
+  const double factor = multiplier * ballast_factor * lamp_factor;
+  const std::size_t count = vertical_count * horizontal_count;
+  rows.values.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double candela = reader.number("candela value", i, count) * factor;
+    if (!(candela >= 0.0 && candela <= kLargestCandela)) {
+      reader.fail(fmt::format("candela value {} of {} is {:g} cd; must lie within 0 to {:g}", i + 1, count, candela,
+                              kLargestCandela));
+    }
+    rows.values.push_back(static_cast<float>(candela));
+  }
+  unfold(rows, reader, where, diagnostics);
+  if (reader.has_more()) diagnostics.warn("more follows after the last candela value and is left out", where);
+  profile.horizontal_deg = std::move(rows.angles);
+  profile.candela = std::move(rows.values);
+  return profile;
+}
+
+IesProfile load_ies(const std::filesystem::path& path, Diagnostics& diagnostics) {
+  const std::vector<std::byte> bytes = read_file(path, kLargestFile);
+  IesProfile profile =
+      parse_ies({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path.string(), diagnostics);
+  profile.name = path.stem().string();
+  return profile;
+}
+
+}  // namespace candela::io
