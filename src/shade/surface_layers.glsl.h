@@ -156,7 +156,7 @@ SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   if (s.iridescence > 0.0f) {
     // For the albedo tables; the lobe itself has the whole curve.
     s.f0_dielectric = mix(s.f0_dielectric, terms_film(s, 1.0f, s.film_f0_dielectric), s.iridescence);
-    s.f0_metal = mix(s.f0_metal, terms_film(s, 1.0f, s.film_f0_metal), s.iridescence);
+    s.f0_metal = mix(s.f0_metal, terms_film_metal(s, 1.0f), s.iridescence);
   }
 }
 

@@ -11,9 +11,17 @@ SHADE_BEGIN
 
 SHADE_FN float terms_coat_fresnel(float cos_theta) { return kCoatF0 + (1.0f - kCoatF0) * schlick_weight(cos_theta); }
 
-/// A film on matter that reflects `f0`, seen from air.
+/// A film on a dielectric that reflects `f0`, seen from air.
 SHADE_FN vec3 terms_film(SHADE_IN(Surface) s, float cos_theta, vec3 f0) {
   return thin_film_fresnel(cos_theta, 1.0f, s.film_ior, f0, s.film_nm);
+}
+
+/// A film on the surface's metal.
+SHADE_FN vec3 terms_film_metal(SHADE_IN(Surface) s, float cos_theta) {
+  if ((s.lobes & kLobeConductor) != 0) {
+    return thin_film_conductor(cos_theta, 1.0f, s.film_ior, s.conductor_n, s.conductor_k, s.film_nm);
+  }
+  return thin_film_metal(cos_theta, 1.0f, s.film_ior, s.film_f0_metal, s.film_nm);
 }
 
 /// How far the reflectance has risen from F0 (0) to F90 (1), by the exact law of a boundary with normal reflectance
@@ -46,7 +54,7 @@ SHADE_FN vec3 terms_fresnel_metal(SHADE_IN(Surface) s, float cos_theta) {
     if (s.model.fresnel == kFresnelF82) f = fresnel_f82(f0, s.f82_tint, cos_theta);
   }
   if ((s.lobes & kLobeConductor) != 0) f = min(fresnel_conductor3(cos_theta, s.conductor_n, s.conductor_k), vec3(1.0f));
-  return s.iridescence > 0.0f ? mix(f, terms_film(s, cos_theta, f0), s.iridescence) : f;
+  return s.iridescence > 0.0f ? mix(f, terms_film_metal(s, cos_theta), s.iridescence) : f;
 }
 
 /// Of both opaque materials, weighted.
