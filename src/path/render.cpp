@@ -38,9 +38,9 @@ class Job {
  public:
   Job(const Scene& scene, const Environment& environment, const View& view, const Settings& settings)
       : settings_(settings),
-        geometry_(scene),
+        geometry_(scene, settings.shading),
         lights_(scene, environment, geometry_),
-        context_{geometry_, lights_, settings.bounces, settings.background},
+        context_{geometry_, lights_, settings.bounces, settings.background, geometry_.has_media()},
         camera_(view, settings.width, settings.height),
         pinhole_(without_lens(view), settings.width, settings.height),
         filter_(settings.filter, settings.filter_radius),

@@ -10,6 +10,7 @@
 #include "image/film.h"
 #include "scene/scene.h"
 #include "scene/view.h"
+#include "shade/model.glsl.h"
 
 namespace candela::path {
 
@@ -34,6 +35,7 @@ struct Settings {
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
   Integrator integrator = Integrator::full;
   Background background = Background::environment;
+  shade::ShadingModel shading = shade::shading_model_candela();
   std::set<Layer> layers{};
 };
 
