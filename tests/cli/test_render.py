@@ -91,6 +91,23 @@ class Pictures(CliTest):
             with self.subTest(options=options):
                 self.assertNotEqual(picture(f"{number}.png", *options), plain)
 
+    def test_light_falloff_is_that_of_every_light(self):
+        lamp = {"type": "point", "intensity": 20, "range": 5}
+
+        def picture(name, light, *options):
+            (self.folder / "lit.glb").write_bytes(triangle_glb(light))
+            self.succeeds("render", "lit.glb", *TINY, "--env", "none", "--exposure", "0", "-o", name, *options)
+            return png_pixels(self.folder / name)
+
+        kinds = ["gltf", "inverse-square", "ue4", "polynomial:1,0.5,0.25"]
+        pictures = [picture(f"{number}.png", lamp, "--light-falloff", kind) for number, kind in enumerate(kinds)]
+        for number, one in enumerate(pictures):
+            self.assertTrue(all(one != other for other in pictures[:number]), kinds[number])
+        self.assertEqual(picture("plain.png", lamp), pictures[0])
+        asked = {"falloff": "polynomial", "polynomial": [1, 0.5, 0.25]}
+        self.assertEqual(picture("asked.png", {**lamp, "extras": {"candela": asked}}), pictures[3])
+        self.assertEqual(picture("same.png", lamp, "--light-falloff", "polynomial"), pictures[1])
+
     def test_sun_elevation_is_the_sky_of_that_name(self):
         self.succeeds(*SPHERES, *TINY, "--sun-elevation", "12", "-o", "a.png")
         self.succeeds(*SPHERES, *TINY, "--env", "sky:12", "-o", "b.png")
