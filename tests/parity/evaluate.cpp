@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "parity/gles.h"
 #include "parity/glsl_source.h"
-#include "parity/tables.h"
 
 namespace candela::parity {
 namespace {
@@ -65,13 +64,12 @@ GlTexture upload_inputs(const Function& function, const std::vector<float>& inpu
 
 /// Every sampler that the program reads gets a texture unit and its texels.
 std::vector<GlTexture> bind_textures(const GlProgram& program, const Function& function,
-                                     const std::vector<float>& inputs) {
+                                     const std::vector<float>& inputs, const std::vector<Table>& known) {
   std::vector<GlTexture> textures;
   for (const std::string& name : program.samplers()) {
     const auto unit = static_cast<GLint>(textures.size());
-    const auto& all = tables();
-    const auto table = std::find_if(all.begin(), all.end(), [&](const Table& t) { return t.uniform == name; });
-    if (name != "parity_inputs" && table == all.end()) {
+    const auto table = std::find_if(known.begin(), known.end(), [&](const Table& t) { return t.uniform == name; });
+    if (name != "parity_inputs" && table == known.end()) {
       throw Error("the shared text reads a sampler without a row in tests/parity/tables.cpp", name);
     }
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
@@ -147,7 +145,7 @@ std::vector<float> evaluate_cpp(const Function& function, const std::vector<floa
 }
 
 std::vector<float> evaluate_glsl(const Function& function, const std::vector<float>& inputs,
-                                 const Alteration& alteration) {
+                                 const Alteration& alteration, const std::vector<Table>& textures) {
   const std::size_t count = count_of(function, inputs);
   const auto stride = static_cast<std::size_t>(function.output.size);
   std::vector<float> outputs(count * stride);
@@ -156,7 +154,7 @@ std::vector<float> evaluate_glsl(const Function& function, const std::vector<flo
     const int floats = std::min(kPassFloats, function.output.size - first);
     const std::unique_ptr<GlProgram> program = make_program(function, first, floats, alteration);
     glUseProgram(program->id());
-    const std::vector<GlTexture> textures = bind_textures(*program, function, inputs);
+    const std::vector<GlTexture> bound = bind_textures(*program, function, inputs, textures);
     const auto captured = static_cast<std::size_t>(4 * texels_for(floats));
     const std::vector<float> part = draw(count, captured);
     for (std::size_t i = 0; i < count; ++i) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "parity/function.h"
+#include "parity/tables.h"
 
 namespace candela::parity {
 
@@ -17,8 +18,8 @@ struct Alteration {
 std::vector<float> evaluate_cpp(const Function& function, const std::vector<float>& inputs);
 
 /// The same in GLSL on the current GlesContext: one vertex per input, caught by transform feedback. Throws Error with
-/// file and line where the text does not compile.
+/// file and line where the text does not compile, and for a sampler that `textures` does not know.
 std::vector<float> evaluate_glsl(const Function& function, const std::vector<float>& inputs,
-                                 const Alteration& alteration = {});
+                                 const Alteration& alteration = {}, const std::vector<Table>& textures = tables());
 
 }  // namespace candela::parity

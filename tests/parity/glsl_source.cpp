@@ -1,7 +1,7 @@
 #include "parity/glsl_source.h"
 
+#include <cstdio>
 #include <fstream>
-#include <regex>
 #include <sstream>
 
 #include "base/error.h"
@@ -21,12 +21,11 @@ void GlslSource::add_header(const std::string& name) {
   if (!headers_.insert(name).second) return;
   std::ifstream file(root_ + "/" + name);
   if (!file) throw Error("cannot read", root_ + "/" + name);
-  static const std::regex kInclude("^#include \"(.*)\".*");
+  static const std::string kInclude = "#include \"";
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
-    std::smatch match;
-    if (std::regex_match(line, match, kInclude)) {
-      add_header(match[1]);
+    if (line.starts_with(kInclude)) {
+      add_header(line.substr(kInclude.size(), line.find('"', kInclude.size()) - kInclude.size()));
     } else {
       add_line(name, number, line);
     }
@@ -48,16 +47,16 @@ void GlslSource::replace(const std::string& from, const std::string& to) {
 }
 
 std::string GlslSource::explain(const std::string& log) const {
-  // Mesa: "0:345(5): error: …"; most others: "ERROR: 0:345: …".
-  static const std::regex kPlace("^((?:ERROR|WARNING): )?(\\d+):(\\d+)(\\(\\d+\\))?:(.*)");
   std::istringstream lines(log);
   std::ostringstream explained;
   for (std::string line; std::getline(lines, line);) {
-    std::smatch match;
-    const std::size_t number = std::regex_match(line, match, kPlace) ? std::stoul(match[3]) : 0;
-    if (number > 0 && number <= origins_.size()) {
+    std::size_t number = 0;
+    int end = 0;
+    std::sscanf(line.c_str(), "0:%zu(%*d):%n", &number, &end);                  // Mesa
+    if (end == 0) std::sscanf(line.c_str(), "ERROR: 0:%zu:%n", &number, &end);  // most others
+    if (end > 0 && number > 0 && number <= origins_.size()) {
       const Origin& origin = origins_[number - 1];
-      explained << match[1] << origin.name << ":" << origin.line << ":" << match[5] << "\n";
+      explained << origin.name << ":" << origin.line << ":" << line.substr(static_cast<std::size_t>(end)) << "\n";
     } else {
       explained << line << "\n";
     }

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
-#include <regex>
+#include <numeric>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -110,11 +110,10 @@ TEST(parity_coverage, every_shared_function_is_in_the_table) {
   std::istringstream lines(all.text());
   std::size_t count = 0;
   bool both = true;  // false between #ifdef __cplusplus and its #endif
-  const std::regex function_line("^SHADE_FN (.*)");
   for (std::string line; std::getline(lines, line);) {
     if (line == "#ifdef __cplusplus") both = false;
     if (line == "#endif") both = true;
-    if (both && std::regex_match(line, function_line)) ++count;
+    if (both && line.starts_with("SHADE_FN ")) ++count;
   }
   EXPECT_GT(count, 0U);
   EXPECT_GE(functions().size(), count);
@@ -146,7 +145,7 @@ TEST_F(parity_harness, an_error_names_file_and_line) {
     evaluate_glsl(*function, draw_inputs(*function, 1), {"return m2 * m2 * m;", "return m2 * m2 * undeclared;"});
     FAIL() << "compiled";
   } catch (const Error& error) {
-    EXPECT_TRUE(std::regex_search(error.message(), std::regex("shade/fresnel\\.glsl\\.h:12: .*undeclared")))
+    EXPECT_NE(error.message().find("shade/fresnel.glsl.h:12: error: `undeclared'"), std::string::npos)
         << error.message();
   }
 }
@@ -158,6 +157,38 @@ TEST_F(parity_harness, a_sampler_without_a_table_is_refused) {
       "SHADE_FN float shade_sqr(float x) { return x * x; }",
       "uniform highp sampler3D unknown_table; float shade_sqr(float x) { return texture(unknown_table, vec3(x)).x; }"};
   EXPECT_THROW(evaluate_glsl(*function, draw_inputs(*function, 1), reads_a_texture), Error);
+}
+
+TEST_F(parity_harness, a_table_is_read_as_a_texture) {
+  const Table table = {.uniform = "known_table",
+                       .target = GL_TEXTURE_3D,
+                       .width = 2,
+                       .height = 1,
+                       .depth = 3,
+                       .channels = 2,
+                       .texels = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}};
+  const Function* function = find_function("shade_sqr");
+  ASSERT_NE(function, nullptr);
+  const Alteration reads_it = {"SHADE_FN float shade_sqr(float x) { return x * x; }",
+                               "uniform highp sampler3D known_table; float shade_sqr(float x) { return "
+                               "texelFetch(known_table, ivec3(1, 0, int(x)), 0).y; }"};
+  EXPECT_EQ(evaluate_glsl(*function, {0.0f, 1.0f, 2.0f}, reads_it, {table}), (std::vector<float>{3.0f, 7.0f, 11.0f}));
+}
+
+/// More inputs than a vertex has attributes, more outputs than one transform feedback holds.
+TEST_F(parity_harness, large_structs_arrive_whole) {
+  constexpr int kSize = 90;
+  Function reverse;
+  reverse.name = "reverse";
+  reverse.header = "shade/shim.glsl.h";
+  reverse.input_size = kSize;
+  reverse.output.size = kSize;
+  reverse.glsl = "for (int i = 0; i < 90; ++i) y[i] = x[89 - i];\n";
+  std::vector<float> inputs(static_cast<std::size_t>(kSize) * 1000);
+  std::iota(inputs.begin(), inputs.end(), 0.0f);
+  std::vector<float> expected = inputs;
+  for (auto at = expected.begin(); at != expected.end(); at += kSize) std::reverse(at, at + kSize);
+  EXPECT_EQ(evaluate_glsl(reverse, inputs), expected);
 }
 
 // ----- the report
@@ -186,6 +217,10 @@ int write_report(const std::string& path) {
 
 }  // namespace
 }  // namespace candela::parity
+
+// What the driver still holds when it is unloaded is not ours, and nameless by then. AddressSanitizer calls this.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is the sanitizer's
+extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 
 int main(int argc, char** argv) {
   try {
