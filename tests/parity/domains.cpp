@@ -65,8 +65,8 @@ Domain direction(float low, float high) {
   };
 }
 
-/// 0 or `value`, else like `rest`: materials have features that are off, and factors of exactly 0 and 1.
-Domain often(float value, Domain rest) {
+/// `value` for a quarter of the inputs, else like `rest`: materials have features that are off.
+Domain often(float value, const Domain& rest) {
   return [=](Pcg32& random, float* x, int size) {
     if (random.next_float() < 0.25f) {
       std::fill_n(x, size, value);
@@ -233,6 +233,7 @@ Plan plan_of_value(const Value& value, const std::string& path) {
 
 Plan plan_of_values(const std::vector<Value>& values, const std::string& prefix) {
   std::vector<Plan> plans;
+  plans.reserve(values.size());
   for (const Value& value : values) plans.push_back(plan_of_value(value, prefix + value.name));
   return [plans](Pcg32& random, float* x) {
     for (const Plan& plan : plans) plan(random, x);

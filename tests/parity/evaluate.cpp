@@ -49,7 +49,7 @@ std::string vertex_main(const Function& function, int first, int floats) {
 GlTexture upload_inputs(const Function& function, const std::vector<float>& inputs) {
   const auto size = static_cast<std::size_t>(function.input_size);
   const auto stride = static_cast<std::size_t>(4 * texels_for(function.input_size));
-  const std::size_t row = 4 * kRowTexels;
+  const std::size_t row = std::size_t{4} * kRowTexels;
   const std::size_t count = size == 0 ? 0 : inputs.size() / size;
   const std::size_t height = std::max<std::size_t>(1, (count * stride + row - 1) / row);
   std::vector<float> texels(height * row);
@@ -120,6 +120,7 @@ std::unique_ptr<GlProgram> make_program(const Function& function, int first, int
   if (!alteration.from.empty()) source.replace(alteration.from, alteration.to);
   source.add_text("main() of " + function.name, vertex_main(function, first, floats));
   std::vector<std::string> captured;
+  captured.reserve(static_cast<std::size_t>(texels_for(floats)));
   for (int i = 0; i < texels_for(floats); ++i) captured.push_back(output_name(i));
   try {
     return std::make_unique<GlProgram>(source.text(), captured);

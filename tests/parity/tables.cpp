@@ -29,10 +29,10 @@ GlTexture upload(const Table& table) {
     glTexImage3D(table.target, 0, kInternal[channels], table.width, table.height, table.depth, 0, kFormat[channels],
                  GL_FLOAT, table.texels.data());
   }
-  for (const GLenum which : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+  for (const GLenum which : {GLenum{GL_TEXTURE_MIN_FILTER}, GLenum{GL_TEXTURE_MAG_FILTER}}) {
     glTexParameteri(table.target, which, table.filter);
   }
-  for (const GLenum which : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) {
+  for (const GLenum which : {GLenum{GL_TEXTURE_WRAP_S}, GLenum{GL_TEXTURE_WRAP_T}, GLenum{GL_TEXTURE_WRAP_R}}) {
     glTexParameteri(table.target, which, GL_CLAMP_TO_EDGE);
   }
   check_gl("upload of " + table.uniform);
