@@ -89,12 +89,13 @@ struct Row {
 const std::vector<Row>& rows() {
   static const std::vector<Row> kRows = {
       // ----- one function
-      {"ggx_*:w?", direction(0.02f, 1.0f)},
-      {"ggx_*:w", direction(0.02f, 1.0f)},
-      {"light_spot_gltf:cos_inner", uniform(0.8f, 1.0f)},
-      {"light_spot_gltf:cos_outer", uniform(0.3f, 0.79f)},
+      {"*refract*:wi", direction(-1.0f, -0.02f)},
+      {"surface_*:wi", direction(-0.3f, 1.0f)},  // a quarter of them below the surface
+      {"units_*:efficacy", magnitude(1.0f, 683.0f)},
+      {"units_*:albedo", uniform(0.05f, 1.0f)},
       {"sky_*:mu", uniform(-1.0f, 1.0f)},
-      {"sky_*:mu_sun", uniform(-0.06f, 0.02f)},  // about the horizon, where the disc is cut
+      {"sky_sun_visibility:mu_sun", uniform(-0.06f, 0.01f)},  // about the horizon, where the disc is cut
+      {"sky_sun_visibility:r", uniform(6360.001f, 6366.0f)},
       {"sky_*:r", uniform(6360.001f, 6419.9f)},
       {"sky_*:t", uniform(0.0f, 800.0f)},
       {"sky_*:cos_*", uniform(-1.0f, 1.0f)},
@@ -117,7 +118,7 @@ const std::vector<Row>& rows() {
 
       // ----- names that mean the same everywhere
       {"vec3 wo", direction(0.02f, 1.0f)},
-      {"vec3 wi", direction(-0.3f, 1.0f)},  // a quarter of them below the surface
+      {"vec3 wi", direction(0.02f, 1.0f)},
       {"vec3 w", direction(0.02f, 1.0f)},
       {"vec3 wm", direction(0.02f, 1.0f)},
       {"vec3 wh", direction(0.02f, 1.0f)},
@@ -125,13 +126,16 @@ const std::vector<Row>& rows() {
       {"vec3 normal", direction(0.02f, 1.0f)},
       {"vec3 *direction", direction(-1.0f, 1.0f)},
       {"cos_angle", uniform(-1.0f, 1.0f)},
+      {"cos_inner", uniform(0.8f, 1.0f)},
+      {"cos_outer", uniform(0.3f, 0.79f)},
       {"cos_*", uniform(0.02f, 1.0f)},
       {"[uv]", uniform(0.0f, kBelowOne)},
       {"uv", uniform(0.0f, kBelowOne)},
       {"*roughness*", often(0.0f, uniform(0.03f, 1.0f))},
       {"*alpha*", uniform(0.03f, 1.0f)},
+      {"a[xy]", uniform(0.03f, 1.0f)},
       {"*anisotropy*", uniform(-0.9f, 0.9f)},
-      {"metallic", often(0.0f, uniform(0.0f, 1.0f))},
+      {"metallic", often(1.0f, often(0.0f, uniform(0.0f, 1.0f)))},
       {"*rotation*", uniform(0.0f, 6.2831853f)},
       {"eta", uniform(0.4f, 2.5f)},
       {"*ior*", uniform(1.0f, 2.5f)},
@@ -153,6 +157,11 @@ const std::vector<Row>& rows() {
       {"glossiness", often(1.0f, uniform(0.0f, 1.0f))},
       {"*_deg", uniform(0.0f, 360.0f)},
       {"ev100", uniform(-4.0f, 16.0f)},
+      {"area", magnitude(1e-4f, 1e2f)},
+      {"lumens", magnitude(1e-1f, 1e4f)},
+      {"candela", magnitude(1e-1f, 1e4f)},
+      {"lux", magnitude(1e-1f, 1e5f)},
+      {"nit", magnitude(1e-1f, 1e5f)},
       {"*_cd", magnitude(1e-1f, 1e4f)},
       {"*_lm", magnitude(1e-1f, 1e4f)},
       {"*_lux", magnitude(1e-1f, 1e5f)},
@@ -171,9 +180,12 @@ struct Maker {
 };
 
 /// Structs whose members depend on each other are what a function of src/shade returns for random inputs of its own,
-/// computed in C++, so that both languages start from the same bits. Other structs are drawn member by member.
+/// computed in C++, so that both languages start from the same bits. "" draws member by member, as for other structs.
 const std::vector<Maker>& makers() {
   static const std::vector<Maker> kMakers = {
+      {"ShadingModel",
+       {"", "shading_model_candela", "shading_model_gltf", "shading_model_ue4", "shading_model_learnopengl",
+        "shading_model_thesis", "shading_model_blinn_phong"}},
       {"SkyMedium", {"sky_medium"}},
       {"Surface", {"surface_prepare"}},
   };
@@ -194,10 +206,16 @@ using Plan = std::function<void(Pcg32& random, float* x)>;
 
 Plan plan_of(const Function& function);
 
+Plan plan_of_values(const std::vector<Value>& values, const std::string& prefix);
+
 /// A struct that some function makes.
-Plan plan_of_maker(const Maker& maker, const Value& value) {
+Plan plan_of_maker(const Maker& maker, const Value& value, const std::string& path) {
   std::vector<Plan> plans;
   for (const std::string& name : maker.functions) {
+    if (name.empty()) {
+      plans.push_back(plan_of_values(value.members, path + "."));
+      continue;
+    }
     const Function* function = find_function(name);
     if (function == nullptr || function->output.type != value.type) {
       throw Error(name + " does not make a " + value.type, "tests/parity/domains.cpp");
@@ -211,12 +229,10 @@ Plan plan_of_maker(const Maker& maker, const Value& value) {
   return [plans](Pcg32& random, float* x) { plans[random.next() % plans.size()](random, x); };
 }
 
-Plan plan_of_values(const std::vector<Value>& values, const std::string& prefix);
-
 Plan plan_of_value(const Value& value, const std::string& path) {
   const auto& known = makers();
   const auto maker = std::find_if(known.begin(), known.end(), [&](const Maker& m) { return m.type == value.type; });
-  if (maker != known.end()) return plan_of_maker(*maker, value);
+  if (maker != known.end()) return plan_of_maker(*maker, value, path);
   if (!value.members.empty()) return plan_of_values(value.members, path + ".");
 
   const auto& table = rows();

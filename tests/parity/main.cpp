@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <set>
@@ -61,6 +62,17 @@ std::vector<float> slightly_wrong(const Function& function, std::vector<float> o
   return outputs;
 }
 
+/// How many of the answers are the same one.
+double share_of_commonest(const Function& function, const std::vector<float>& outputs) {
+  std::map<std::vector<float>, std::size_t> counts;
+  std::size_t most = 0;
+  for (auto at = outputs.begin(); at != outputs.end(); at += function.output.size) {
+    most = std::max(most, ++counts[{at, at + function.output.size}]);
+  }
+  return static_cast<double>(most * static_cast<std::size_t>(function.output.size)) /
+         static_cast<double>(outputs.size());
+}
+
 class CppEqualsGlsl : public Parity {
  public:
   explicit CppEqualsGlsl(const Function& function) : function_(function) {}
@@ -77,9 +89,7 @@ class CppEqualsGlsl : public Parity {
     EXPECT_FALSE(compare(function_, limits, inputs, cpp, slightly_wrong(function_, glsl)).holds)
         << "answers that are 0.3 % wrong pass as well: the limits or the domain are too wide";
     if (!function_.inputs.empty()) {
-      const auto stride = static_cast<std::ptrdiff_t>(function_.output.size);
-      EXPECT_FALSE(std::equal(cpp.begin() + stride, cpp.end(), cpp.begin()))
-          << "every input has the same answer: the domain shows nothing of the function";
+      EXPECT_LT(share_of_commonest(function_, cpp), 0.98) << "the domain shows next to nothing of the function";
     }
   }
 
