@@ -162,6 +162,7 @@ std::map<std::string, std::string> metadata(const RenderOptions& o, const Job& j
       {"seed", fmt::format("{}", o.settings.seed)},
       {"version", fmt::format("candela {}", version())}};
   if (!o.variant.empty()) result["variant"] = o.variant;
+  if (!o.shading.empty()) result["shading"] = o.shading;
   return result;
 }
 
