@@ -14,6 +14,9 @@ namespace candela::io {
 struct LoadOptions {
   /// False: images carry only width and height (their pixels stay empty), which is fast; such a scene fails validate().
   bool decode_images = true;
+  /// False: an unknown required extension is a warning, to look into files that cannot be rendered. One that says how
+  /// the geometry is stored stays an Error.
+  bool refuse_unknown_required = true;
 };
 
 /// What a file says about itself and the scene does not keep.
@@ -24,6 +27,7 @@ struct FileInfo {
   std::vector<std::string> extensions_used;
   std::vector<std::string> extensions_required;
   std::vector<std::string> extensions_ignored;  ///< used, but not supported
+  std::vector<std::string> extensions_missing;  ///< required, but not supported
   int animations = 0;
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself
