@@ -196,7 +196,7 @@ SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOU
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
   vec2 ab = table_ggx(layers_coat_cosine(s, wo), s.coat_row);
-  s.coat_escape_o = 1.0f - ab.x - ab.y;
+  s.coat_escape_o = base_escape(ab);
 }
 
 SHADE_FN void layers_prepare_sheen(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
@@ -227,7 +227,7 @@ SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
   float there = max(1.0f - table_glass_mean(s.roughness, 1.0f / s.eta), 1e-6f);
   float n2 = s.eta * s.eta;
   float through = there * n2 / (here + there * n2);
-  s.glass_escape_o = 1.0f - table_glass(wo.z, s.roughness, s.eta);
+  s.glass_escape_o = max(1.0f - table_glass(wo.z, s.roughness, s.eta), 0.0f);
   s.glass_multireflect = s.weight_glass * (1.0f - through) / (kShadePi * here);
   s.glass_multitransmit = s.glass_tint * (s.weight_glass * through / (kShadePi * there * n2));
 }
@@ -361,7 +361,7 @@ SHADE_FN SurfaceEval layers_eval_coat(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   vec3 i = layers_to_coat(s, wi);
   if (o.z <= 0.0f || i.z <= 0.0f) return r;
   vec2 ab = table_ggx(i.z, s.coat_row);
-  float f = s.coat_multiscatter * s.coat_escape_o * (1.0f - ab.x - ab.y);
+  float f = s.coat_multiscatter * s.coat_escape_o * base_escape(ab);
   if (!s.is_coat_mirror) {
     vec3 wm = o + i;
     float cos_m = 0.5f * length(wm);
@@ -388,7 +388,7 @@ SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
   float cos_m = 0.5f * length(wm);
   wm = wm * (0.5f / cos_m);
   vec2 ab = layers_ggx(s, wi);
-  float escape = 1.0f - ab.x - ab.y;
+  float escape = base_escape(ab);
   float over = layers_over(s, at);
 
   // ----- diffuse, and what scatters many times between facets
@@ -396,7 +396,8 @@ SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
   r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
   r.value = lost * over;
   if (s.weight_glass > 0.0f) {
-    float glass_escape = s.is_thin || s.is_glass_delta ? escape : 1.0f - table_glass(wi.z, s.roughness, s.eta);
+    float glass_escape =
+        s.is_thin || s.is_glass_delta ? escape : max(1.0f - table_glass(wi.z, s.roughness, s.eta), 0.0f);
     r.value += vec3(s.glass_multireflect * s.glass_escape_o * glass_escape * over);
   }
   r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, cos_m, at, ab);
@@ -439,7 +440,7 @@ SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
             (s.transmission_o * layers_transmission(s, at, ab) * s.diffuse_scale * (cos_i * (1.0f / kShadePi)));
   if (s.weight_glass <= 0.0f || s.is_glass_delta) return r;
 
-  float escape = s.is_thin ? 1.0f - ab.x - ab.y : 1.0f - table_glass(cos_i, s.roughness, 1.0f / s.eta);
+  float escape = s.is_thin ? base_escape(ab) : max(1.0f - table_glass(cos_i, s.roughness, 1.0f / s.eta), 0.0f);
   r.value += s.glass_multitransmit * (s.glass_escape_o * escape * cos_i * across);
 
   if (s.is_thin) {

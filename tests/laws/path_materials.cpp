@@ -52,11 +52,15 @@ TEST(law_path, clear_glass_is_invisible_in_the_furnace) {
 }
 
 TEST(law_path, rough_glass_keeps_its_light_in_the_furnace) {
-  // Facets of a mesh and its smooth normals disagree: a percent is theirs.
+  // The tables are half a percent off at worst, and light meets the boundary several times before it leaves.
   for (const float roughness : {0.2f, 0.5f, 1.0f}) {
-    EXPECT_NEAR(mean_in_furnace(box(vec3(-0.6f), vec3(0.6f)), glass(1.5f, roughness), 256, 1024), 1.0, 0.01)
+    EXPECT_NEAR(mean_in_furnace(box(vec3(-0.6f), vec3(0.6f)), glass(1.5f, roughness), 256, 1024), 1.0, 0.03)
         << roughness;
   }
+  // The twin: half a percent of tint at every crossing is no more than that, ten percent is.
+  Material tinted = glass(1.5f, 0.5f);
+  tinted.base_color = vec3(0.9f);
+  EXPECT_LT(mean_in_furnace(box(vec3(-0.6f), vec3(0.6f)), tinted, 256, 1024), 0.97);
 }
 
 TEST(law_path, clear_and_frosted_sheets_keep_their_light) {
@@ -104,7 +108,7 @@ TEST(law_path, a_body_that_only_scatters_keeps_its_light) {
     }
   }
   // The twin: a little absorption.
-  m.multiscatter_color = vec3(0.9f);
+  m.multiscatter_color = vec3(0.5f);
   m.scatter_anisotropy = 0.0f;
   SceneBuilder b;
   b.add(box(vec3(-0.5f), vec3(0.5f)), m);
@@ -114,17 +118,28 @@ TEST(law_path, a_body_that_only_scatters_keeps_its_light) {
 }
 
 TEST(law_path, a_deep_scattering_body_has_its_multiscatter_colour) {
-  // Index 1 and a medium a thousand mean free paths deep: Kulla & Conty's fit claims about 0.01.
+  // Index 1, a thousand mean free paths deep, seen from directions that are spread by their cosine: what it reflects of
+  // diffuse light. The fit claims about 0.01.
   Material m = glass(1.0f, 0.0f);
   m.attenuation_color = vec3(0.01f);
   m.attenuation_distance = 0.002f;
   m.multiscatter_color = {0.8f, 0.5f, 0.2f};
   SceneBuilder b;
-  b.add(box(vec3(-0.5f), vec3(0.5f)), m);
-  const auto mean = mean_over_seeds(8, b.build(), constant_environment(vec3(1.0f)),
-                                    look_at({0, 0, 3}, vec3(0.0f), 0.2f), settings(8, 64, 64));
-  for (std::size_t c = 0; c < 3; ++c) {
-    EXPECT_NEAR(mean[c].mean(), static_cast<double>(m.multiscatter_color[static_cast<int>(c)]), 0.03) << c;
+  b.add(box({-50, -1, -50}, {50, 0, 50}), m);
+  const Scene scene = b.build();
+  dvec3 sum(0.0);
+  constexpr int kDirections = 8;
+  for (int i = 0; i < kDirections; ++i) {
+    const float mu = std::sqrt((static_cast<float>(i) + 0.5f) / kDirections);
+    const vec3 eye(3.0f * std::sqrt(1.0f - mu * mu), 3.0f * mu, 0.0f);
+    const Film film =
+        shoot(scene, constant_environment(vec3(1.0f)), look_at(eye, vec3(0.0f), 0.01f), settings(8, 256, 64));
+    sum += mean_of(film.beauty) / static_cast<double>(kDirections);
+  }
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(sum[c], static_cast<double>(m.multiscatter_color[c]), 0.015) << c;
+    // The twin: the single-scattering albedo is far from it.
+    EXPECT_GT(std::abs(sum[c] - static_cast<double>(path::single_scatter_albedo(m.multiscatter_color, 0.0f)[c])), 0.05);
   }
 }
 
