@@ -1,11 +1,11 @@
-#include "support/quadrature.h"
+#include "study/quadrature.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
-namespace candela::test {
+namespace candela::study {
 
 namespace {
 
@@ -163,4 +163,4 @@ double integrate(const std::function<double(double)>& f, double a, double b, dou
   return bisect(f, a, b, gauss8(f, a, b), tolerance, kMaxDepth);
 }
 
-}  // namespace candela::test
+}  // namespace candela::study
