@@ -67,8 +67,6 @@ std::optional<JsonView> JsonView::extras(const char* name) const {
   return extras && extras->is_object() ? extras->find(name) : std::nullopt;
 }
 
-bool JsonView::is_object() const { return value_->is_object(); }
-
 std::size_t JsonView::size() const {
   if (!value_->is_array()) expected("an array");
   return value_->size();

@@ -31,7 +31,6 @@ class JsonView {
   std::optional<JsonView> extension(const char* name) const;
   /// `extras/name`; empty too where extras is no object, for an application may put anything there.
   std::optional<JsonView> extras(const char* name) const;
-  bool is_object() const;
 
   /// Elements of an array.
   std::size_t size() const;

@@ -159,8 +159,8 @@ void add_layers(Table& table) {
     with_coat(tilted, 0.2f);
     tilted.clearcoat_normal = glm::normalize(vec3(0.2f, -0.1f, 1.0f));
     Promise promise;
-    promise.is_white = false;  // two normals see two hemispheres
-    promise.gain = 0.03;
+    promise.is_reciprocal = false;  // each normal brings its own cosine
+    promise.is_white = false;       // and its own hemisphere
     table.add("coat with a normal of its own" + matter, tilted, promise, true);
   }
 }
@@ -177,11 +177,11 @@ void add_matter(Table& table) {
     SurfaceParams p = white(1.0f);
     with_anisotropy(p);
     p.anisotropy = strength;
-    table.add("anisotropic metal, strength " + number(strength), p, {}, true);
+    table.add("anisotropic metal, strength " + number(strength), p, {}, true, {0.1f, 0.2f, 0.3f, 0.6f, 1.0f});
   }
   SurfaceParams anisotropic = white(0.0f);
   with_anisotropy(anisotropic);
-  table.add("anisotropic dielectric", anisotropic, {}, true);
+  table.add("anisotropic dielectric", anisotropic, {}, true, {0.1f, 0.2f, 0.3f, 0.6f, 1.0f});
   for (const float share : {0.5f, 1.0f}) {
     SurfaceParams p = white(0.0f);
     with_diffuse_transmission(p);
@@ -244,7 +244,8 @@ void add_combinations(Table& table) {
       if (has_film) name += " + film";
       if (has_sheen) name += " + sheen";
       if (has_coat) name += " + coat";
-      table.add(name, p, combined, false, {0.0f, 0.3f, 1.0f});
+      // A streak as thin as a mirror's and as wide as a diffuse lobe is beyond quadrature, and beyond sight.
+      table.add(name, p, combined, false, {has_anisotropy ? 0.1f : 0.0f, 0.3f, 1.0f});
     }
   }
 }
