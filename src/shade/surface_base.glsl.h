@@ -35,9 +35,12 @@ SHADE_FN vec3 base_fresnel(SHADE_IN(Surface) s, float cos_theta) {
   return s.weight_dielectric * f_dielectric + s.weight_metal * f_metal;
 }
 
-/// What single scattering between white facets loses at a direction with split-sum terms `ab`; never below 0 by
-/// rounding.
-SHADE_FN float base_escape(vec2 ab) { return max(1.0f - ab.x - ab.y, 0.0f); }
+/// What single scattering between white facets loses at a direction with split-sum terms `ab`. Nothing of a mirror:
+/// what is left there is rounding.
+SHADE_FN float base_escape(vec2 ab) {
+  float e = 1.0f - ab.x - ab.y;
+  return e > 1e-5f ? e : 0.0f;
+}
 
 /// Share of light that crosses the dielectric boundary at a direction with split-sum terms `ab`: 1 - its albedo.
 SHADE_FN float base_transmission(SHADE_IN(Surface) s, vec2 ab) {
