@@ -56,10 +56,12 @@ Material glass(float roughness = 0.0f) {
   return material;
 }
 
-/// A body full of matter that scatters; light enters it through a rough boundary.
+/// A body full of matter that scatters, below a boundary that lets light in diffusely.
 Material wax(float mean_free_path) {
-  Material material = glass(0.25f);
+  Material material = dielectric(0xffffff, 0.25f);
   material.ior = 1.4f;
+  material.diffuse_transmission = 1.0f;
+  material.thickness = 2.0f * kRadius;
   // σt = -ln(1/e) / distance: the distance is the mean free path.
   material.attenuation_color = vec3(0.36787944f);
   material.attenuation_distance = mean_free_path;
@@ -229,9 +231,9 @@ constexpr std::array kRows{
           material.double_sided = true;
           return material;
         }},
-    Row{"row-subsurface", "mean free path 2 to 0.015 radii of a body that scatters", Shape::cored,
+    Row{"row-subsurface", "mean free path 2 to 0.015 radii of a body that scatters", Shape::ball,
         [](int i) { return wax(value(kFreePaths, i) * kRadius); }},
-    Row{"row-scatter-anisotropy", "scattering backwards (-0.9) to forwards (0.9)", Shape::cored,
+    Row{"row-scatter-anisotropy", "scattering backwards (-0.9) to forwards (0.9)", Shape::ball,
         [](int i) { return with(wax(0.35f * kRadius), &Material::scatter_anisotropy, value(kScatterings, i)); }},
     Row{"row-emission", "emission 0 to 4 cd/m²", Shape::cap,
         [](int i) {
@@ -274,7 +276,7 @@ void add_ball(SceneBuilder& builder, Shape shape, int material, const std::strin
     if (shape == Shape::lamp) {
       Material lamp = dielectric(0xffffff, 1.0f);
       lamp.name = name + " lamp";
-      lamp.emission = vec3(6.0f, 5.2f, 4.4f);
+      lamp.emission = vec3(12.0f, 10.4f, 8.8f);
       add(" lamp", sphere(0.3f, 24), builder.material(lamp), center);
     }
     return;
@@ -305,8 +307,8 @@ Scene make_row(const Row& row) {
   constexpr float kDistance = 46.0f * kRadius;
   const vec3 target(0.0f, 0.96f * kRadius, 0.0f);
   const float elevation = radians(13.0f);
-  builder.camera(target + kDistance * vec3(0.0f, std::sin(elevation), std::cos(elevation)), target, 3.75f,
-                 1200.0f / 220.0f, root);
+  builder.camera(target + kDistance * vec3(0.0f, std::sin(elevation), std::cos(elevation)), target, 3.41f,
+                 1200.0f / 200.0f, root);
   return builder.finish("studio", 1.0f);
 }
 
