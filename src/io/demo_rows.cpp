@@ -246,13 +246,13 @@ constexpr std::array kRows{
     Row{"row-specular-glossiness", "specular and glossiness 0 to 1 over a blue diffuse layer", Shape::cap,
         [](int i) { return specular_glossiness(step(i, 0.0f, 1.0f)); }}};
 
-/// Grey squares, half a radius wide.
+/// Grey squares, a radius wide.
 void add_ground(SceneBuilder& builder, int parent) {
   constexpr float kSize = 8.0f;
   Material ground = dielectric(0xffffff, 0.7f);
   ground.name = "checker";
-  const auto checker = [](vec2 uv) { return (uv.x < 0.5f) == (uv.y < 0.5f) ? srgb(0x8f8f8f) : srgb(0x565656); };
-  ground.base_color_texture = builder.texture("checker", color_texture(256, checker), vec2(kSize / kRadius));
+  const auto checker = [](vec2 uv) { return (uv.x < 0.5f) == (uv.y < 0.5f) ? srgb(0x8a8a8a) : srgb(0x5c5c5c); };
+  ground.base_color_texture = builder.texture("checker", color_texture(256, checker), vec2(0.5f * kSize / kRadius));
   const Primitive plane =
       quad(vec3(-0.5f * kSize, 0.0f, 0.5f * kSize), vec3(kSize, 0.0f, 0.0f), vec3(0.0f, 0.0f, -kSize));
   builder.node("backdrop", builder.mesh("backdrop", plane, builder.material(ground)), mat4(1.0f), parent);
