@@ -42,12 +42,16 @@ const std::vector<Row>& rows() {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Infinite where a discrete value differs, or where anything is not finite: no domain is meant to ask for that.
+/// No domain is meant to ask for infinity, or for what comes of kAbsent.
+bool is_ordinary(float x) { return std::abs(x) < 1e30f; }
+
+/// Infinite where a discrete value differs, or where anything is out of bounds. Absent is equal to absent.
 double error_of_leaf(const Value& leaf, double floor, const float* a, const float* b) {
   double scale = floor;
   double difference = 0.0;
   for (int i = leaf.offset; i < leaf.offset + leaf.size; ++i) {
-    if (!std::isfinite(a[i]) || !std::isfinite(b[i])) return kInfinity;
+    if (a[i] == kAbsent && b[i] == kAbsent) continue;
+    if (!is_ordinary(a[i]) || !is_ordinary(b[i])) return kInfinity;
     scale = std::max({scale, std::abs(static_cast<double>(a[i])), std::abs(static_cast<double>(b[i]))});
     difference = std::max(difference, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
   }

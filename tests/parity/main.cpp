@@ -55,6 +55,7 @@ std::vector<float> slightly_wrong(const Function& function, std::vector<float> o
     const auto first = static_cast<std::size_t>(leaf.offset);
     for (std::size_t i = first; i < outputs.size(); i += stride) {
       for (std::size_t j = i; j < i + static_cast<std::size_t>(leaf.size); ++j) {
+        if (outputs[j] == kAbsent) continue;
         outputs[j] = discrete ? 1.0f - outputs[j] : outputs[j] * 1.003f + 1e-6f;
       }
     }
