@@ -209,7 +209,8 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
   Walk walk;
   int passed = 0;
   for (int depth = 0; hit; ++depth) {
-    const Crossing crossing = walk.find_crossing(context, hit, ray.direction, unit_float(sampler.next_hash()));
+    Crossing crossing;
+    if (context.has_media) crossing = walk.find_crossing(context, hit, ray.direction, unit_float(sampler.next_hash()));
     const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, crossing.eta);
     if (depth == 0 && passed == 0) record_first_surface(point, sample);
     vec3 direction = ray.direction;

@@ -316,6 +316,12 @@ void check_view(const View& view) {
 
 }  // namespace
 
+std::uint64_t picture_bytes(const Settings& settings) {
+  const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
+  const std::uint64_t flags = settings.noise ? 2 : 1;  // who has converged, and who is good in itself
+  return pixels * (Accumulator::bytes_per_pixel(settings) + flags + film_bytes_per_pixel(settings.layers));
+}
+
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             Statistics* statistics, const Callbacks& callbacks) {
   check_settings(settings);

@@ -189,7 +189,8 @@ double glass_albedo(vec3 wo, float alpha, float eta) {
 void make_glass() {
   for (int side = 0; side < 2; ++side) {
     for (int i = 0; i < kTableIndices; ++i) {
-      const double x = static_cast<double>(kTableGlassMost) * i / (kTableIndices - 1);
+      const double root = static_cast<double>(i) / (kTableIndices - 1);
+      const double x = static_cast<double>(kTableGlassMost) * root * root;
       const double dense = std::max((1.0 + x) / (1.0 - x), 1.0 + 1e-4);
       const auto eta = static_cast<float>(side == 0 ? dense : 1.0 / dense);
       for (int r = 0; r < kTableRoughness; ++r) {
@@ -284,9 +285,18 @@ void make_anisotropic() {
     for (int y = 0; y < n; ++y) {
       const float ax = std::max(roughness_to_alpha(roughness_at(x, n)), kGgxMirrorAlpha);
       const float ay = std::max(roughness_to_alpha(roughness_at(y, n)), kGgxMirrorAlpha);
+      const double rx = std::sqrt(static_cast<double>(ax));
+      const double ry = std::sqrt(static_cast<double>(ay));
+      const double least = std::min(rx, ry);
+      const double most = std::max(rx, ry);
       double mean = 0.0;
       for (int c = 0; c < kTableAzimuths; ++c) {
-        const double cos2 = static_cast<double>(c) / (kTableAzimuths - 1);
+        // The azimuth along which the lobe is so rough; any where it is the same all around.
+        const double along = least + (most - least) * c / (kTableAzimuths - 1);
+        const double cos2 =
+            x == y ? 0.5
+                   : std::clamp((std::pow(along, 4.0) - std::pow(ry, 4.0)) / (std::pow(rx, 4.0) - std::pow(ry, 4.0)),
+                                0.0, 1.0);
         const int row = ((x * n + y) * kTableAzimuths + c) * n;
         for (int m = 0; m < n; ++m) {
           const double mu = mu_at(m, n);
@@ -301,12 +311,13 @@ void make_anisotropic() {
           }
           at(kTableAnisotropic, row + m) = static_cast<float>(1.0 - albedo / kPoints);
         }
-        // Linear in cos²φ between entries, whose mean over the circle is the arcsine law's: ∫ hat(u) du / (π √(u (1 -
-        // u))).
+        // How much of the circle each entry stands for.
         constexpr int kSteps = 512;
         double weight = 0.0;
         for (int k = 0; k < kSteps; ++k) {
-          const double u = std::pow(std::cos((k + 0.5) / kSteps * std::numbers::pi / 2.0), 2.0) * (kTableAzimuths - 1);
+          const double turn = std::pow(std::cos((k + 0.5) / kSteps * std::numbers::pi / 2.0), 2.0);
+          const double r = std::pow(std::pow(ry, 4.0) * (1.0 - turn) + std::pow(rx, 4.0) * turn, 0.25);
+          const double u = x == y ? 0.0 : (r - least) / (most - least) * (kTableAzimuths - 1);
           weight += std::max(0.0, 1.0 - std::abs(u - c)) / kSteps;
         }
         mean += weight * mean_over_mu([&](int m) { return get(kTableAnisotropic, row + m); }, n);

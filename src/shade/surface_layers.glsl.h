@@ -31,8 +31,18 @@ SHADE_FN float layers_coat_albedo(SHADE_IN(Surface) s, vec2 ab) {
   return kCoatF0 * ab.x + ab.y + s.coat_escape_share * (1.0f - ab.x - ab.y);
 }
 
-/// At cosines to the coat's normal and to the base's.
-SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, float coat_mu, float mu) {
+/// Roughness of the base's facets along an azimuth with this squared cosine.
+SHADE_FN float layers_roughness_at(SHADE_IN(Surface) s, float cos2) {
+  return sqrt(sqrt(mix(s.alpha_y * s.alpha_y, s.alpha_x * s.alpha_x, cos2)));
+}
+
+SHADE_FN float layers_roughness_along(SHADE_IN(Surface) s, vec3 w) {
+  if ((s.lobes & kLobeAnisotropy) == 0) return s.roughness;
+  return layers_roughness_at(s, w.x * w.x / max(w.x * w.x + w.y * w.y, 1e-12f));
+}
+
+/// At cosines to the coat's normal and to the base's, above a base of this roughness.
+SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, float coat_mu, float mu, float roughness) {
   LayersAt at;
   at.coat_albedo = 0.0f;
   at.sheen_albedo = 0.0f;
@@ -41,18 +51,19 @@ SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, float coat_mu, float mu
   at.sheen_over = vec3(1.0f);
   if ((s.lobes & kLobeClearcoat) != 0) {
     at.coat_albedo = layers_coat_albedo(s, table_ggx(coat_mu, s.coat_row));
-    at.coat_over = table_coat_over(coat_mu, s.roughness, s.coat_roughness, at.coat_albedo);
+    // How the base's lobe spreads is the base normal's matter; how much comes through, the coat's.
+    at.coat_over = table_coat_over(mu, roughness, s.coat_roughness, at.coat_albedo);
   }
   if ((s.lobes & kLobeSheen) != 0) {
     at.sheen_albedo = table_sheen(mu, s.sheen_roughness);
     at.sheen_scale = s.model.literal_layers ? 1.0f : table_sheen_scale(mu, s.sheen_roughness);
-    at.sheen_over = table_sheen_over(mu, s.roughness, s.sheen_roughness, at.sheen_albedo);
+    at.sheen_over = table_sheen_over(mu, roughness, s.sheen_roughness, at.sheen_albedo);
   }
   return at;
 }
 
 SHADE_FN LayersAt layers_at(SHADE_IN(Surface) s, vec3 w) {
-  return layers_at_cosines(s, layers_coat_cosine(s, w), abs(w.z));
+  return layers_at_cosines(s, layers_coat_cosine(s, w), abs(w.z), layers_roughness_along(s, w));
 }
 
 /// Share of light that reaches the base.
@@ -67,11 +78,11 @@ SHADE_FN float layers_over(SHADE_IN(Surface) s, LayersAt at) {
          (1.0f - s.sheen_weight + s.sheen_weight * s.sheen_over_o * at.sheen_over.x);
 }
 
-/// Factor of light that goes through the whole of a sheet or into a body.
+/// Factor of light that goes through a sheet, where it is the reflected lobe turned round, or into a body: what the
+/// layers let through at the more grazing of both directions, so that neither side gains.
 SHADE_FN float layers_across(SHADE_IN(Surface) s, LayersAt at) {
-  if (s.model.literal_layers) return s.coat_over_o * s.sheen_over_o;
-  float o = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
-  return sqrt(max(o * layers_through(s, at.coat_albedo, at.sheen_albedo), 0.0f));
+  if (s.model.literal_layers || s.is_thin) return layers_over(s, at);
+  return min(layers_through(s, s.coat_albedo_o, s.sheen_albedo_o), layers_through(s, at.coat_albedo, at.sheen_albedo));
 }
 
 /// What the diffuse layer gets below a boundary with split-sum terms `ab` and one layer of weight `w` and albedo `e`: 1
@@ -146,6 +157,14 @@ SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
         p.diffuse_transmission_color * (p.diffuse_transmission * (1.0f - p.metallic) *
                                         ((p.lobes & kLobeTransmission) != 0 ? 1.0f - p.transmission : 1.0f));
     s.diffuse = s.diffuse * (1.0f - p.diffuse_transmission);
+    if (!s.is_thin) {
+      // Radiance is η² times as much inside, and light from inside meets the boundary's total reflection.
+      if (s.eta > 1.0f) {
+        s.diffuse_below = s.diffuse_below * (1.0f / (s.eta * s.eta));
+      } else {
+        s.diffuse += s.diffuse_below * (1.0f - s.eta * s.eta);
+      }
+    }
   }
 
   s.film_ior = p.film_ior;
@@ -164,13 +183,17 @@ SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
 SHADE_FN vec2 layers_ggx(SHADE_IN(Surface) s, vec3 w) {
   float mu = abs(w.z);
   if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx(mu, s.row);
-  float across2 = max(w.x * w.x + w.y * w.y, 1e-12f);
-  float cos2 = w.x * w.x / across2;
-  float a2 = mix(s.alpha_y * s.alpha_y, s.alpha_x * s.alpha_x, cos2);
-  float b = table_ggx(mu, table_ggx_roughness(sqrt(sqrt(a2)))).y;
-  float albedo = 1.0f - table_anisotropic(mu, cos2, sqrt(s.alpha_x), sqrt(s.alpha_y));
-  b = min(b, albedo);
+  float along = layers_roughness_along(s, w);
+  vec2 round = table_ggx(mu, table_ggx_roughness(along));
+  float albedo = 1.0f - table_anisotropic(mu, along, sqrt(s.alpha_x), sqrt(s.alpha_y));
+  float b = albedo * round.y / max(round.x + round.y, 1e-6f);
   return vec2(albedo - b, b);
+}
+
+/// Squared cosines of azimuths that stand evenly in a quarter of the circle.
+SHADE_CONST int kAzimuths = 4;
+SHADE_FN float layers_azimuth(int i) {
+  return i == 0 ? 0.9619398f : i == 1 ? 0.6913417f : i == 2 ? 0.3086583f : 0.0380602f;
 }
 
 /// Their cosine-weighted means.
@@ -178,7 +201,11 @@ SHADE_FN vec2 layers_ggx_mean(SHADE_IN(Surface) s) {
   vec2 mean = table_ggx_mean(s.row);
   if ((s.lobes & kLobeAnisotropy) == 0) return mean;
   float albedo = 1.0f - table_anisotropic_mean(sqrt(s.alpha_x), sqrt(s.alpha_y));
-  float b = min(mean.y, albedo);
+  float b = 0.0f;
+  for (int i = 0; i < kAzimuths; ++i) {
+    b += table_ggx_mean(table_ggx_roughness(layers_roughness_at(s, layers_azimuth(i)))).y * (1.0f / float(kAzimuths));
+  }
+  b = min(b, albedo);
   return vec2(albedo - b, b);
 }
 
@@ -187,7 +214,7 @@ SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOU
   s.coat_alpha = roughness_to_alpha(p.clearcoat_roughness);
   s.is_coat_mirror = s.coat_alpha < kGgxMirrorAlpha;
   s.coat_normal = p.clearcoat_normal;
-  s.coat = dot(s.coat_normal, wo) > 1e-4f ? p.clearcoat : 0.0f;
+  s.coat = p.clearcoat;
   s.coat_row = table_ggx_roughness(s.coat_roughness);
   vec2 mean = table_ggx_mean(s.coat_row);
   float escape_mean = 1.0f - mean.x - mean.y;
@@ -196,7 +223,7 @@ SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOU
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
   vec2 ab = table_ggx(layers_coat_cosine(s, wo), s.coat_row);
-  s.coat_escape_o = 1.0f - ab.x - ab.y;
+  s.coat_escape_o = base_escape(ab);
 }
 
 SHADE_FN void layers_prepare_sheen(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
@@ -204,6 +231,14 @@ SHADE_FN void layers_prepare_sheen(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surfac
   s.sheen_roughness = max(p.sheen_roughness, kSheenLeastRoughness);
   s.sheen_alpha = sheen_alpha(p.sheen_roughness);
   s.sheen_weight = shade_max3(p.sheen_color);
+}
+
+/// Cosine-weighted mean of what single scattering at a boundary loses.
+SHADE_FN float layers_glass_escape_mean(SHADE_IN(Surface) s, float eta) {
+  if ((s.lobes & kLobeAnisotropy) == 0) return 1.0f - table_glass_mean(s.roughness, eta);
+  float sum = 0.0f;
+  for (int i = 0; i < kAzimuths; ++i) sum += 1.0f - table_glass_mean(layers_roughness_at(s, layers_azimuth(i)), eta);
+  return sum * (1.0f / float(kAzimuths));
 }
 
 /// Multiple scattering of a rough boundary between two transparent media, or within a sheet. What single scattering
@@ -223,11 +258,11 @@ SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
     s.glass_multitransmit = s.glass_tint * ((1.0f - reflected) * scale);
     return;
   }
-  float here = max(1.0f - table_glass_mean(s.roughness, s.eta), 1e-6f);
-  float there = max(1.0f - table_glass_mean(s.roughness, 1.0f / s.eta), 1e-6f);
+  float here = max(layers_glass_escape_mean(s, s.eta), 1e-6f);
+  float there = max(layers_glass_escape_mean(s, 1.0f / s.eta), 1e-6f);
   float n2 = s.eta * s.eta;
   float through = there * n2 / (here + there * n2);
-  s.glass_escape_o = 1.0f - table_glass(wo.z, s.roughness, s.eta);
+  s.glass_escape_o = max(1.0f - table_glass(wo.z, layers_roughness_along(s, wo), s.eta), 0.0f);
   s.glass_multireflect = s.weight_glass * (1.0f - through) / (kShadePi * here);
   s.glass_multitransmit = s.glass_tint * (s.weight_glass * through / (kShadePi * there * n2));
 }
@@ -240,13 +275,14 @@ SHADE_FN float layers_transmission_mean(SHADE_IN(Surface) s) {
     float t = i == 0 ? 0.0469100770f : i == 1 ? 0.2307653449f : i == 2 ? 0.5f : i == 3 ? 0.7692346551f : 0.9530899230f;
     float weight = i == 0 || i == 4 ? 0.1184634425f : i == 2 ? 0.2844444444f : 0.2393143352f;
     float mu = t * t;
-    sum += weight * 4.0f * t * mu * layers_transmission(s, layers_at_cosines(s, mu, mu), table_ggx(mu, s.row));
+    sum += weight * 4.0f * t * mu *
+           layers_transmission(s, layers_at_cosines(s, mu, mu, s.roughness), table_ggx(mu, s.row));
   }
   return sum;
 }
 
 /// How the lobes share the samples, by what each is estimated to reflect.
-SHADE_FN void layers_chances(vec2 ab, SHADE_INOUT(Surface) s) {
+SHADE_FN void layers_chances(vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
   float specular = shade_max3(base_specular_albedo(s, ab));
   float lost = kShadePi * s.escape_mean * s.escape_o;
   float diffuse = shade_max3(s.diffuse) * s.transmission_o + shade_max3(s.multiscatter) * lost;
@@ -261,7 +297,8 @@ SHADE_FN void layers_chances(vec2 ab, SHADE_INOUT(Surface) s) {
   float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
   float sheen = s.sheen_weight * s.sheen_albedo_o;
   float coat = s.coat * s.coat_albedo_o;
-  if (s.coat * s.coat_multiscatter > 0.0f) diffuse += s.coat * s.coat_escape_share * s.coat_escape_o;
+  if (dot(s.coat_normal, wo) <= 1e-4f) coat = 0.0f;  // it turns its back
+  if (coat * s.coat_multiscatter > 0.0f) diffuse += s.coat * s.coat_escape_share * s.coat_escape_o;
   if (s.model.distribution == kDistributionCharlie) {
     diffuse += specular;
     specular = 0.0f;
@@ -309,7 +346,7 @@ SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec2 ab, SHADE_
     s.transmission_o = layers_transmission(s, at, ab);
     s.diffuse_scale = 1.0f / max(layers_transmission_mean(s), 1e-6f);
   }
-  layers_chances(ab, s);
+  layers_chances(wo, ab, s);
 }
 
 SHADE_FN bool layers_is_delta(SHADE_IN(Surface) s) {
@@ -361,7 +398,7 @@ SHADE_FN SurfaceEval layers_eval_coat(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   vec3 i = layers_to_coat(s, wi);
   if (o.z <= 0.0f || i.z <= 0.0f) return r;
   vec2 ab = table_ggx(i.z, s.coat_row);
-  float f = s.coat_multiscatter * s.coat_escape_o * (1.0f - ab.x - ab.y);
+  float f = s.coat_multiscatter * s.coat_escape_o * base_escape(ab);
   if (!s.is_coat_mirror) {
     vec3 wm = o + i;
     float cos_m = 0.5f * length(wm);
@@ -388,7 +425,7 @@ SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
   float cos_m = 0.5f * length(wm);
   wm = wm * (0.5f / cos_m);
   vec2 ab = layers_ggx(s, wi);
-  float escape = 1.0f - ab.x - ab.y;
+  float escape = base_escape(ab);
   float over = layers_over(s, at);
 
   // ----- diffuse, and what scatters many times between facets
@@ -396,7 +433,9 @@ SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
   r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
   r.value = lost * over;
   if (s.weight_glass > 0.0f) {
-    float glass_escape = s.is_thin || s.is_glass_delta ? escape : 1.0f - table_glass(wi.z, s.roughness, s.eta);
+    float glass_escape = s.is_thin || s.is_glass_delta
+                             ? escape
+                             : max(1.0f - table_glass(wi.z, layers_roughness_along(s, wi), s.eta), 0.0f);
     r.value += vec3(s.glass_multireflect * s.glass_escape_o * glass_escape * over);
   }
   r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, cos_m, at, ab);
@@ -439,7 +478,8 @@ SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
             (s.transmission_o * layers_transmission(s, at, ab) * s.diffuse_scale * (cos_i * (1.0f / kShadePi)));
   if (s.weight_glass <= 0.0f || s.is_glass_delta) return r;
 
-  float escape = s.is_thin ? 1.0f - ab.x - ab.y : 1.0f - table_glass(cos_i, s.roughness, 1.0f / s.eta);
+  float escape =
+      s.is_thin ? base_escape(ab) : max(1.0f - table_glass(cos_i, layers_roughness_along(s, wi), 1.0f / s.eta), 0.0f);
   r.value += s.glass_multitransmit * (s.glass_escape_o * escape * cos_i * across);
 
   if (s.is_thin) {
@@ -459,7 +499,8 @@ SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
   float cos_o = dot(wo, wm);
   float cos_t = dot(wi, wm);
   if (cos_o <= 0.0f || cos_t >= 0.0f) return r;
-  vec3 f = terms_fresnel_glass(s, cos_o);
+  // From the rarer side: near the critical angle the other cosine has no digits left.
+  vec3 f = terms_fresnel_glass_rare(s, s.eta > 1.0f ? cos_o : -cos_t);
   float jacobian = microfacet_refract_jacobian(cos_o, cos_t, s.eta);
   float dg = 4.0f * terms_dv(s, wo, vec3(wi.x, wi.y, cos_i), wm) * cos_i * cos_o;  // D G (wo·wm) / wo.z
   r.value += s.glass_tint * (vec3(1.0f) - f) * (s.weight_glass * dg * jacobian * across / (s.eta * s.eta));

@@ -66,17 +66,20 @@ SHADE_FN vec3 terms_fresnel_opaque(SHADE_IN(Surface) s, float cos_theta) {
   return f;
 }
 
-/// Of a transparent boundary: the exact law between F0 and F90, and all of it at total internal reflection.
-SHADE_FN vec3 terms_fresnel_glass(SHADE_IN(Surface) s, float cos_theta) {
-  float sin2_rare = (1.0f - cos_theta * cos_theta) / (s.eta * s.eta);  // on the far side
-  if (sin2_rare >= 1.0f) return vec3(1.0f);
+/// Of a transparent boundary, at the cosine on its rarer side: the exact law between F0 and F90.
+SHADE_FN vec3 terms_fresnel_glass_rare(SHADE_IN(Surface) s, float cos_theta) {
   vec3 f0 = s.glass_f0_tinted;
-  vec3 f = f0 + (vec3(s.f90_dielectric) - f0) * terms_exact_rise(cos_theta, s.eta, s.glass_f0);
-  if (s.iridescence > 0.0f) {
-    float cos_air = s.eta < 1.0f ? sqrt(1.0f - sin2_rare) : cos_theta;
-    f = mix(f, terms_film(s, cos_air, f0), s.iridescence);
-  }
-  return f;
+  float rise = terms_exact_rise(cos_theta, max(s.eta, 1.0f / s.eta), s.glass_f0);
+  vec3 f = f0 + (vec3(s.f90_dielectric) - f0) * rise;
+  return s.iridescence > 0.0f ? mix(f, terms_film(s, cos_theta, f0), s.iridescence) : f;
+}
+
+/// The same at the cosine on wo's side; all of it at total internal reflection.
+SHADE_FN vec3 terms_fresnel_glass(SHADE_IN(Surface) s, float cos_theta) {
+  if (s.eta >= 1.0f) return terms_fresnel_glass_rare(s, cos_theta);
+  float sin2_rare = (1.0f - cos_theta * cos_theta) / (s.eta * s.eta);
+  if (sin2_rare >= 1.0f) return vec3(1.0f);
+  return terms_fresnel_glass_rare(s, sqrt(1.0f - sin2_rare));
 }
 
 /// Probability of following the reflected part of glass whose facets reflect `f` and tint what goes through.

@@ -27,11 +27,11 @@ SHADE_BEGIN
 
 SHADE_CONST int kTableMu = 32;         // cosines
 SHADE_CONST int kTableRoughness = 32;  // roughnesses
-SHADE_CONST int kTableIndices = 8;     // relative indices of refraction
+SHADE_CONST int kTableIndices = 12;     // relative indices of refraction
 SHADE_CONST int kTableLayers = 14;     // roughnesses of a layer
 SHADE_CONST int kTableLobes = 24;      // roughnesses of, and cosines at, a lobe below a layer
-SHADE_CONST int kTableWidths = 12;     // roughnesses along either axis of an anisotropic lobe, and cosines
-SHADE_CONST int kTableAzimuths = 5;    // squared cosines of the azimuth
+SHADE_CONST int kTableWidths = 14;     // roughnesses along either axis of an anisotropic lobe, and cosines
+SHADE_CONST int kTableAzimuths = 5;    // azimuths, by the roughness along them
 
 /// (A, B) of GGX with height-correlated Smith masking: the albedo for Schlick's F is F0·A + F90·B. [roughness][mu][2]
 SHADE_CONST int kTableGgx = 0;
@@ -124,12 +124,13 @@ SHADE_FN float table_sheen_scale(float mu, float roughness) {
 
 // ----- rough dielectric boundaries
 
-/// Where relative indices stand: x = (η - 1) / (η + 1) over 0 … kTableGlassMost, for η ≥ 1.
+/// Where relative indices stand: evenly in the root of x = (η - 1) / (η + 1) over 0 … kTableGlassMost, for η ≥ 1.
+/// Media that hardly differ bend hardly, and change fastest.
 SHADE_CONST float kTableGlassMost = 0.6f;  // η = 4
 
 SHADE_FN TableCell table_cell_index(float eta) {
   float dense = max(eta, 1.0f / eta);
-  return table_cell((dense - 1.0f) / (dense + 1.0f) * (1.0f / kTableGlassMost), kTableIndices);
+  return table_cell(sqrt(max(dense - 1.0f, 0.0f) / (dense + 1.0f) * (1.0f / kTableGlassMost)), kTableIndices);
 }
 
 /// `eta` = n on the other side / n on the side of the direction.
@@ -187,12 +188,14 @@ SHADE_FN float table_anisotropic_at(int at, TableCell azimuth, TableCell mu) {
   return table_bilinear(at, mu, azimuth, kTableWidths);
 }
 
-/// 1 - albedo at a direction with this cosine and squared cosine of the azimuth from the x axis.
-SHADE_FN float table_anisotropic(float mu, float azimuth, float roughness_x, float roughness_y) {
+/// 1 - albedo at a direction with this cosine, along which the lobe has the roughness `along`.
+SHADE_FN float table_anisotropic(float mu, float along, float roughness_x, float roughness_y) {
   TableCell x = table_cell(roughness_x, kTableWidths);
   TableCell y = table_cell(roughness_y, kTableWidths);
   TableCell m = table_cell_mu(mu, kTableWidths);
-  TableCell c = table_cell(azimuth, kTableAzimuths);
+  float least = min(roughness_x, roughness_y);
+  float most = max(roughness_x, roughness_y);
+  TableCell c = table_cell((along - least) / max(most - least, 1e-6f), kTableAzimuths);
   int cell = kTableAzimuths * kTableWidths;
   int row = kTableWidths * cell;
   int at = kTableAnisotropic + x.i * row + y.i * cell;

@@ -6,6 +6,7 @@ import os
 import pathlib
 import pty
 import re
+import resource
 import signal
 import time
 
@@ -378,6 +379,17 @@ class BadInput(CliTest):
                 self.fails("render", "absent.glb", "-o", output, says=says)
                 self.fails("render", "absent.glb", "-o", "good.png", "--stats", output.replace(".png", ".json"),
                            says="absent.glb" if output == "folder.png" else says)  # fmt: skip
+
+    def test_picture_beyond_the_memory_is_refused_before_the_work(self):
+        def limited():
+            resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+
+        if self.run_candela("--version", preexec_fn=limited).code != 0:
+            self.skipTest("sanitizers need more room than the limit leaves")
+        self.succeeds(*SPHERES, *TINY, "-o", "small.png", preexec_fn=limited)
+        # A missing scene would be found first if memory were looked at later.
+        self.fails("render", "absent.glb", "--size", "16384x16384", "-o", "a.png", preexec_fn=limited,
+                   says=r"--size: a picture of 16384x16384 needs about \d+\.\d\d GiB .* 1\.\d\d GiB are available")  # fmt: skip
 
     def test_devices_are_not_replaced_by_files(self):
         result = self.run_candela(*SPHERES, *TINY, "-o", "a.png", "--stats", "/dev/full", "--quiet")

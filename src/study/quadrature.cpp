@@ -1,11 +1,11 @@
-#include "support/quadrature.h"
+#include "study/quadrature.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
-namespace candela::test {
+namespace candela::study {
 
 namespace {
 
@@ -21,8 +21,6 @@ constexpr std::array<double, 4> kWeights8 = {0.362683783378361983, 0.31370664587
 
 // Bisections of one cell: 2⁻⁴⁸ of the hemisphere is beyond single precision.
 constexpr int kMaxDepth = 48;
-// Sixteen cells at least: a look at every side before the first belief.
-constexpr int kMinDepth = 4;
 constexpr double kTau = 2.0 * std::numbers::pi;
 
 glm::dvec2 spherical(glm::vec3 w) {
@@ -113,8 +111,8 @@ bool HemisphereQuadrature::has_unresolved_peak(const Rectangle& r) const {
 std::size_t HemisphereQuadrature::refine(const Rectangle& r, const Estimate& whole, int depth) {
   const bool unresolved = has_unresolved_peak(r);
   const int longer = r.upper.x - r.lower.x >= std::sin(r.upper.x) * (r.upper.y - r.lower.y) ? 0 : 1;
-  Halves halves = split(r, unresolved ? longer : whole.axis);
-  bool settled = !unresolved && depth >= kMinDepth && agrees(whole, halves);
+  Halves halves = split(r, unresolved || depth < options_.min_depth ? longer : whole.axis);
+  bool settled = !unresolved && depth >= options_.min_depth && agrees(whole, halves);
   // A cell may look the same from both halves of one axis and still be wrong along the other.
   if (settled) {
     const Halves across = split(r, 1 - halves.axis);
@@ -163,4 +161,4 @@ double integrate(const std::function<double(double)>& f, double a, double b, dou
   return bisect(f, a, b, gauss8(f, a, b), tolerance, kMaxDepth);
 }
 
-}  // namespace candela::test
+}  // namespace candela::study
