@@ -89,12 +89,11 @@ Domain often_up(const Domain& rest) {
 }
 
 /// A set of lobes: each bit of kLobe… by chance, those of `always` always.
-Domain lobes(int always = 0) {
+Domain lobes(int always = 0, int possible = 2 * shade::kLobeClearcoat - 1) {
   return [=](Pcg32& random, float* x, int) {
-    constexpr int kAll = 2 * shade::kLobeClearcoat - 1;
     // Every sixteenth has none, as most materials.
     const bool none = random.next_float() < 1.0f / 16.0f;
-    const auto chosen = static_cast<int>(random.next() & static_cast<std::uint32_t>(kAll));
+    const auto chosen = static_cast<int>(random.next() & static_cast<std::uint32_t>(possible));
     *x = static_cast<float>((none ? 0 : chosen) | always);
   };
 }
@@ -132,7 +131,14 @@ const std::vector<Row>& rows() {
       {"terms_film*:s/*p.lobes", lobes(shade::kLobeIridescence)},
       {"layers_scatters_through:s/*p.lobes", lobes(shade::kLobeTransmission)},
       {"terms_diffuse_shape:s/*p.lobes", lobes(shade::kLobeModel)},
+      {"layers_*glass*:s/*p.metallic", uniform(0.0f, 0.9f)},
+      {"layers_*glass*:s/*p.transmission", uniform(0.05f, 1.0f)},
       {"terms_*:s/*p.lobes", lobes(shade::kLobeModel)},
+      {"terms_dv:s/*p.roughness", uniform(0.05f, 1.0f)},  // a mirror has no facets to ask for
+      {"terms_*visible:s/*p.roughness", uniform(0.05f, 1.0f)},
+      {"*_is_delta:s/*p.lobes", lobes(0, shade::kLobeConductor | shade::kLobeTransmission | shade::kLobeClearcoat)},
+      {"*_is_delta:s/*p.*roughness", often(0.0f, often(0.0f, often(0.0f, uniform(0.0f, 1.0f))))},
+      {"*_is_delta:s/*p.metallic", often(1.0f, often(1.0f, uniform(0.0f, 1.0f)))},
       {"layers_*:s/*p.lobes", lobes(shade::kLobeModel)},
       {"layers_*:at/*p.lobes", lobes(shade::kLobeClearcoat)},
       {"base_*:s/*p.lobes", often(0.0f, lobes())},
@@ -279,7 +285,7 @@ const std::vector<Maker>& makers() {
       {"SkyMedium", {"sky_medium"}},
       {"Surface", {"surface_prepare"}},
       {"LayersAt", {"layers_at"}},
-      {"table_ggx*:roughness", {"table_ggx_roughness"}},
+      {"TableCell table_ggx*:roughness", {"table_ggx_roughness"}},
       {"TableCell", {"table_cell", "table_cell_mu"}},
       {"FilmFringes", {"film_fringes"}},
       {"FilmBoundary", {"film_boundary_s", "film_boundary_p"}},
