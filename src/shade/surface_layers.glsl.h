@@ -123,6 +123,7 @@ SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
     // KHR_materials_anisotropy: the direction of the texture is the rougher one.
     s.alpha_x = max(mix(s.alpha, 1.0f, shade_sqr(p.anisotropy)), kGgxMirrorAlpha);
     s.alpha_y = max(s.alpha, kGgxMirrorAlpha);
+    s.alpha = s.alpha_y;  // no mirror, for terms that know one width only
     s.is_mirror = false;
     s.roughness = sqrt(sqrt(s.alpha_x * s.alpha_y));
     s.row = table_ggx_roughness(s.roughness);
@@ -296,6 +297,7 @@ SHADE_FN void layers_chances(vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
   }
   float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
   float sheen = s.sheen_weight * s.sheen_albedo_o;
+  if (sheen < 1e-6f) sheen = 0.0f;  // rounding: straight down between narrow fibres there is nothing
   float coat = s.coat * s.coat_albedo_o;
   if (dot(s.coat_normal, wo) <= 1e-4f) coat = 0.0f;  // it turns its back
   if (coat * s.coat_multiscatter > 0.0f) diffuse += s.coat * s.coat_escape_share * s.coat_escape_o;

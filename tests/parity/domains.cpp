@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "shade/surface_params.glsl.h"
 #include "support/random.h"
 
 namespace candela::parity {
@@ -76,11 +77,42 @@ Domain often(float value, const Domain& rest) {
   };
 }
 
+/// The frame's normal for half of the inputs.
+Domain often_up(const Domain& rest) {
+  return [=](Pcg32& random, float* x, int size) {
+    rest(random, x, size);
+    if (random.next_float() < 0.5f) {
+      x[0] = x[1] = 0.0f;
+      x[2] = 1.0f;
+    }
+  };
+}
+
+/// A set of lobes: each bit of kLobe… by chance, those of `always` always.
+Domain lobes(int always = 0, int possible = 2 * shade::kLobeClearcoat - 1) {
+  return [=](Pcg32& random, float* x, int) {
+    // Every sixteenth has none, as most materials.
+    const bool none = random.next_float() < 1.0f / 16.0f;
+    const auto chosen = static_cast<int>(random.next() & static_cast<std::uint32_t>(possible));
+    *x = static_cast<float>((none ? 0 : chosen) | always);
+  };
+}
+
+/// Split-sum terms (A, B): both at least 0, together at most 1.
+Domain split_sum() {
+  return [](Pcg32& random, float* x, int size) {
+    if (size != 2) throw Error("split-sum terms are two");
+    x[0] = between(random, 0.0f, 1.0f);
+    x[1] = (1.0f - x[0]) * between(random, 0.0f, 1.0f);
+  };
+}
+
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
 struct Row {
   /// Compared with "function:parameter" (members: "function:parameter.member"), "Struct.member", the bare name and
   /// the bare type, in this order; each may be written "type name" to mean that type alone. * and ? as in a shell.
+  /// A pattern with a slash is compared with "function:parameter/maker:parameter", for inputs of what makes a struct.
   std::string pattern;
   Domain domain;
 };
@@ -88,9 +120,61 @@ struct Row {
 /// The first row that matches, more special ones above. A type stands at the end for what no name decides.
 const std::vector<Row>& rows() {
   static const std::vector<Row> kRows = {
+      // ----- a lobe's own functions, for surfaces that have it
+      {"layers_*coat*:s/*p.lobes", lobes(shade::kLobeClearcoat)},
+      {"layers_*sheen*:s/*p.lobes", lobes(shade::kLobeSheen)},
+      {"layers_*glass*:s/*p.lobes", lobes(shade::kLobeTransmission)},
+      {"layers_straight:s/*p.lobes", lobes(shade::kLobeTransmission)},
+      {"surface_straight:s/*p.lobes", lobes(shade::kLobeTransmission)},
+      {"layers_eval_below:s/*p.lobes", lobes(shade::kLobeTransmission)},
+      {"terms_fresnel_glass:s/*p.lobes", lobes(shade::kLobeTransmission)},
+      {"terms_film*:s/*p.lobes", lobes(shade::kLobeIridescence)},
+      {"layers_scatters_through:s/*p.lobes", lobes(shade::kLobeTransmission)},
+      {"terms_diffuse_shape:s/*p.lobes", lobes(shade::kLobeModel)},
+      {"layers_*glass*:s/*p.metallic", uniform(0.0f, 0.9f)},
+      {"layers_*glass*:s/*p.transmission", uniform(0.05f, 1.0f)},
+      {"terms_*:s/*p.lobes", lobes(shade::kLobeModel)},
+      {"terms_dv:s/*p.roughness", uniform(0.05f, 1.0f)},  // a mirror has no facets to ask for
+      {"terms_*visible:s/*p.roughness", uniform(0.05f, 1.0f)},
+      {"*_is_delta:s/*p.lobes", lobes(0, shade::kLobeConductor | shade::kLobeTransmission | shade::kLobeClearcoat)},
+      {"*_is_delta:s/*p.*roughness", often(0.0f, often(0.0f, often(0.0f, uniform(0.0f, 1.0f))))},
+      {"*_is_delta:s/*p.metallic", often(1.0f, often(1.0f, uniform(0.0f, 1.0f)))},
+      {"layers_*:s/*p.lobes", lobes(shade::kLobeModel)},
+      {"layers_*:at/*p.lobes", lobes(shade::kLobeClearcoat)},
+      {"base_*:s/*p.lobes", often(0.0f, lobes())},
+
+      // ----- tables: cells that lie inside them
+      {"table_over*/*:count", whole(2, shade::kTableLayers)},
+      {"table_anisotropic*/*:count", whole(2, shade::kTableAzimuths)},
+      {"*/table_cell*:count", whole(2, shade::kTableMu)},
+      {"table_cell*:count", whole(2, shade::kTableMu)},
+      {"table_over*:at", whole(shade::kTableCoatOver, shade::kTableSheenOver)},
+      {"table_anisotropic*:at", whole(shade::kTableAnisotropic, shade::kTableAnisotropicMean - 64)},
+      {"table_bilinear:width", whole(2, shade::kTableMu)},
+      {"table_*:at", whole(0, shade::kTableSize - 2 * shade::kTableMu * shade::kTableMu)},
+      {"table_*:entry", whole(0, shade::kTableSize - 3)},
+      {"wavelength_lobe:i", whole(0, 4)},
+
       // ----- one function
       {"*refract*:wi", direction(-1.0f, -0.02f)},
       {"surface_*:wi", direction(-0.3f, 1.0f)},  // a quarter of them below the surface
+      {"base_eval:wi", direction(-0.3f, 1.0f)},
+      {"layers_eval:wi", direction(-1.0f, 1.0f)},
+      {"layers_eval_below:wi", direction(-1.0f, -0.02f)},
+      {"layers_at:w", direction(-1.0f, 1.0f)},
+      {"layers_*coat*:w", direction(-1.0f, 1.0f)},
+      {"shade_tangent:n", direction(-1.0f, 1.0f)},
+      {"film_*:c", whole(0, 2)},
+      {"film_*:opd", uniform(0.0f, 4.0f)},  // µm
+      {"film_*:nu", uniform(1.5f, 2.5f)},   // 1/µm
+      {"film_*:sigma", uniform(0.04f, 0.11f)},
+      {"film_*:eta2", uniform(0.2f, 6.0f)},
+      {"film_boundary_*:g", uniform(0.1f, 2.0f)},
+      {"thin_film_*:eta1", often(1.0f, uniform(1.0f, 1.5f))},
+      {"thin_film_*:eta2", uniform(1.1f, 2.0f)},
+      {"*_conductor*:n", uniform(0.1f, 4.0f)},
+      {"*film*:k", often(0.0f, uniform(0.0f, 8.0f))},
+      {"wavelength_logistic:x", uniform(-20.0f, 20.0f)},
       {"units_*:efficacy", magnitude(1.0f, 683.0f)},
       {"units_*:albedo", uniform(0.05f, 1.0f)},
       {"sky_*:mu", uniform(-1.0f, 1.0f)},
@@ -114,7 +198,16 @@ const std::vector<Row>& rows() {
       {"ShadingModel.fresnel", whole(0, 3)},
       {"ShadingModel.diffuse", whole(0, 3)},
       {"ShadingModel.blend", whole(0, 4)},
+      {"SurfaceParams.lobes", lobes()},
       {"SurfaceParams.ior", often(0.0f, uniform(1.0f, 2.5f))},
+      {"SurfaceParams.film_ior", uniform(1.1f, 2.0f)},
+      {"SurfaceParams.film_nm", uniform(50.0f, 800.0f)},
+      {"SurfaceParams.conductor_n", uniform(0.1f, 4.0f)},
+      {"SurfaceParams.conductor_k", uniform(0.1f, 8.0f)},
+      {"SurfaceParams.anisotropy", often(0.0f, uniform(0.0f, 1.0f))},
+      {"SurfaceParams.transmission", often(1.0f, uniform(0.0f, 1.0f))},
+      {"SurfaceParams.eta", magnitude(0.4f, 2.5f)},
+      {"SurfaceParams.clearcoat_normal", often_up(direction(0.3f, 1.0f))},
 
       // ----- names that mean the same everywhere
       {"vec3 wo", direction(0.02f, 1.0f)},
@@ -130,6 +223,9 @@ const std::vector<Row>& rows() {
       {"cos_outer", uniform(0.3f, 0.79f)},
       {"cos_*", uniform(0.02f, 1.0f)},
       {"[uv]", uniform(0.0f, kBelowOne)},
+      {"u_side", uniform(0.0f, kBelowOne)},
+      {"vec2 ab", split_sum()},
+      {"vec2 mean", split_sum()},
       {"uv", uniform(0.0f, kBelowOne)},
       {"*roughness*", often(0.0f, uniform(0.03f, 1.0f))},
       {"*alpha*", uniform(0.03f, 1.0f)},
@@ -175,7 +271,7 @@ const std::vector<Row>& rows() {
 }
 
 struct Maker {
-  std::string type;
+  std::string pattern;                 ///< of a type, or as in Row
   std::vector<std::string> functions;  ///< one of them, by chance, makes a value of the type
 };
 
@@ -188,12 +284,20 @@ const std::vector<Maker>& makers() {
         "shading_model_thesis", "shading_model_blinn_phong"}},
       {"SkyMedium", {"sky_medium"}},
       {"Surface", {"surface_prepare"}},
+      {"LayersAt", {"layers_at"}},
+      {"TableCell table_ggx*:roughness", {"table_ggx_roughness"}},
+      {"TableCell", {"table_cell", "table_cell_mu"}},
+      {"FilmFringes", {"film_fringes"}},
+      {"FilmBoundary", {"film_boundary_s", "film_boundary_p"}},
+      {"WavelengthLobe", {"wavelength_lobe"}},
   };
   return kMakers;
 }
 
 bool matches(const std::string& pattern, const Value& value, const std::string& path) {
-  const std::array<std::string, 3> names = {path, value.owner + "." + value.name, value.name};
+  const bool is_long = pattern.find('/') != std::string::npos;
+  const std::string inner = path.substr(path.rfind('/') + 1);
+  const std::array<std::string, 3> names = {is_long ? path : inner, value.owner + "." + value.name, value.name};
   const bool found = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
     return fnmatch(pattern.c_str(), name.c_str(), 0) == 0 ||
            fnmatch(pattern.c_str(), (value.type + " " + name).c_str(), 0) == 0;
@@ -203,8 +307,6 @@ bool matches(const std::string& pattern, const Value& value, const std::string& 
 
 /// Fills the inputs of a function, x being the first of all of them.
 using Plan = std::function<void(Pcg32& random, float* x)>;
-
-Plan plan_of(const Function& function);
 
 Plan plan_of_values(const std::vector<Value>& values, const std::string& prefix);
 
@@ -220,7 +322,8 @@ Plan plan_of_maker(const Maker& maker, const Value& value, const std::string& pa
     if (function == nullptr || function->output.type != value.type) {
       throw Error(name + " does not make a " + value.type, "tests/parity/domains.cpp");
     }
-    plans.emplace_back([function, inner = plan_of(*function), offset = value.offset](Pcg32& random, float* x) {
+    const Plan inner = plan_of_values(function->inputs, path + "/" + function->name + ":");
+    plans.emplace_back([function, inner, offset = value.offset](Pcg32& random, float* x) {
       std::vector<float> inputs(static_cast<std::size_t>(function->input_size));
       inner(random, inputs.data());
       function->call(inputs.data(), x + offset);
@@ -231,7 +334,8 @@ Plan plan_of_maker(const Maker& maker, const Value& value, const std::string& pa
 
 Plan plan_of_value(const Value& value, const std::string& path) {
   const auto& known = makers();
-  const auto maker = std::find_if(known.begin(), known.end(), [&](const Maker& m) { return m.type == value.type; });
+  const auto maker =
+      std::find_if(known.begin(), known.end(), [&](const Maker& m) { return matches(m.pattern, value, path); });
   if (maker != known.end()) return plan_of_maker(*maker, value, path);
   if (!value.members.empty()) return plan_of_values(value.members, path + ".");
 
@@ -256,8 +360,6 @@ Plan plan_of_values(const std::vector<Value>& values, const std::string& prefix)
   };
 }
 
-Plan plan_of(const Function& function) { return plan_of_values(function.inputs, function.name + ":"); }
-
 /// FNV-1a: a seed that stays when other functions come and go.
 std::uint64_t seed_of(const std::string& name) {
   std::uint64_t hash = 0xcbf29ce484222325U;
@@ -271,7 +373,7 @@ std::vector<float> draw_inputs(const Function& function, int count) {
   const auto size = static_cast<std::size_t>(function.input_size);
   std::vector<float> inputs(size * static_cast<std::size_t>(count));
   Pcg32 random(seed_of(function.name));
-  const Plan plan = plan_of(function);
+  const Plan plan = plan_of_values(function.inputs, function.name + ":");
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) plan(random, inputs.data() + i * size);
   return inputs;
 }

@@ -13,7 +13,7 @@ namespace candela::parity {
 namespace {
 
 constexpr int kRowTexels = 1024;  // of the texture of inputs; ES 3.0 promises a width of 2048
-constexpr int kPassFloats = 32;   // outputs of a program; ES 3.0 promises transform feedback of 64 components
+constexpr int kPassFloats = 60;   // outputs of a program; ES 3.0 promises 15 vectors of varyings
 
 int texels_for(int floats) { return (floats + 3) / 4; }
 

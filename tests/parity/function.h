@@ -5,6 +5,10 @@
 
 namespace candela::parity {
 
+/// What a float of a struct reads as where it holds nothing (members of Surface whose lobe is absent): a number that
+/// shows in whatever reads it nonetheless.
+constexpr float kAbsent = -3.0e38f;
+
 /// A parameter, a member or a result, flattened: `size` floats from `offset` of the function's inputs or outputs. bool
 /// is 0 or 1, int its value, mat3 column by column.
 struct Value {
@@ -23,12 +27,37 @@ struct Function {
   int line = 0;
   std::vector<Value> inputs;
   int input_size = 0;
-  Value output;
+  Value output;  ///< the result, what is filled in place, or a nameless struct of both
   void (*call)(const float* x, float* y) = nullptr;
   std::string glsl;  ///< the same statements, from float x[] to float y[]
 };
 
-/// Every SHADE_FN of src/shade, in the order of headers and lines. Written by generate.py at build time.
+/// What generate.py writes at build time: a value before its members, the inputs before the output. Plain data,
+/// because thousands of constructors in one function take the compiler minutes.
+struct FlatValue {
+  const char* name;
+  const char* type;
+  const char* owner;
+  int offset;
+  int size;
+  int members;
+};
+
+struct FlatFunction {
+  const char* name;
+  const char* header;
+  int line;
+  int inputs;
+  int input_size;
+  const FlatValue* values;
+  void (*call)(const float* x, float* y);
+  const char* glsl;
+};
+
+extern const FlatFunction kFlatFunctions[];
+extern const int kFlatFunctionCount;
+
+/// Every SHADE_FN of src/shade, in the order of headers and lines.
 const std::vector<Function>& functions();
 
 /// The function of that name, or null.

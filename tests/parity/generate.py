@@ -4,9 +4,10 @@
     generate.py ROOT OUTPUT.cpp    ROOT is src/, the folder that "shade/x.glsl.h" is relative to
     generate.py --self-test        planted headers are read, and refused, as they should be
 
-Every parameter and result is flattened to floats, structs member by member. A SHADE_FN that cannot be read, or whose
-types are not understood, stops the build: nothing that is shared goes untested. Text that only one language sees is
-not shared; a function declared in both branches of an #ifdef __cplusplus is.
+Every parameter and result is flattened to floats, structs member by member; what a function fills in place
+(SHADE_INOUT) is both. A SHADE_FN that cannot be read, or whose types are not understood, stops the build: nothing that
+is shared goes untested. Text that only one language sees is not shared; a function declared in both branches of an
+#ifdef __cplusplus is.
 """
 
 import pathlib
@@ -26,8 +27,22 @@ TYPES = {
 for size in (2, 3, 4):
     TYPES[f"vec{size}"] = ([f"{{v}}.{XYZW[i]}" for i in range(size)], f"vec{size}({{all}})")
 
+# Members that hold something only under a condition on the struct {s}; elsewhere they are undefined, and read as absent
+# (0 for what is no float). A new member of Surface that some lobe needs belongs here.
+SOMETIMES = {
+    "Surface": [
+        (r"conductor_.*", "({s}.lobes & kLobeConductor) != 0"),
+        (r"sheen_alpha|sheen_roughness", "({s}.lobes & kLobeSheen) != 0"),
+        (r"coat_(alpha|roughness|normal|row|escape_.*)|is_coat_mirror", "({s}.lobes & kLobeClearcoat) != 0"),
+        (r"model|alpha_.|iridescence|film_.*|f82_tint|is_thin|is_glass_delta|eta|glass_.*|diffuse_below|sheen.*|coat.*"
+         r"|chance_(glass|diffuse_below|sheen|coat)", "{s}.lobes != 0"),
+    ],
+}
+ABSENT = "-3.0e38f"  # kAbsent of tests/parity/function.h
+
 IDENTIFIER = r"[A-Za-z_]\w*"
-FUNCTION = re.compile(rf"\bSHADE_FN\s+({IDENTIFIER})\s+({IDENTIFIER})\s*\(([^()]*)\)\s*[{{;]")
+FUNCTION = re.compile(
+    rf"\bSHADE_FN\s+({IDENTIFIER})\s+({IDENTIFIER})\s*\(((?:[^()]|\bSHADE_(?:IN|INOUT)\([^()]*\))*)\)\s*[{{;]")
 STRUCT = re.compile(rf"\bstruct\s+({IDENTIFIER})\s*\{{([^{{}}]*)\}}\s*;")
 CONSTANT = re.compile(rf"\bSHADE_CONST\s+int\s+({IDENTIFIER})\s*=\s*(\d+)\s*;")
 MEMBER = re.compile(rf"({IDENTIFIER})(?:\s*\[\s*(\w+)\s*\])?$")
@@ -47,6 +62,7 @@ class Value:
     offset: int
     size: int
     code: str  # the expression, e.g. a0.base_color
+    condition: str = ""  # when it holds something; empty = always
     members: list = field(default_factory=list)
 
 
@@ -56,7 +72,7 @@ class Function:
     header: str
     line: int
     result: str
-    parameters: list  # (type, name)
+    parameters: list  # (type, name, whether it is filled in place)
 
 
 def without_comments(text):
@@ -92,10 +108,12 @@ def split_by_language(text, where):
 def parse_parameters(text, where):
     parameters = []
     for one in filter(None, (part.strip() for part in text.split(","))):
-        words = [word for word in one.split() if word not in ("const", "in", "highp")]
+        macro = re.match(r"SHADE_(IN|INOUT)\(\s*(\w+)\s*\)", one)
+        plain = macro.group(2) + one[macro.end():] if macro else one
+        words = [word for word in plain.split() if word not in ("const", "in", "highp")]
         if len(words) != 2 or not all(re.fullmatch(IDENTIFIER, word) for word in words):
             raise Refusal(f"{where}: parameter '{one}' is not 'type name'")
-        parameters.append(tuple(words))
+        parameters.append((*words, macro is not None and macro.group(1) == "INOUT"))
     return parameters
 
 
@@ -143,24 +161,44 @@ class Headers:
         for match in FUNCTION.finditer(text):
             understood.add(match.start())
             parameters = parse_parameters(match.group(3), at(match.start()))
-            key = (match.group(2), tuple(kind for kind, _ in parameters))
+            key = (match.group(2), tuple(kind for kind, _, _ in parameters))
             line = int(at(match.start()).rpartition(":")[2])
             functions.setdefault(key, Function(match.group(2), name, line, match.group(1), parameters))
         for match in re.finditer(r"\bSHADE_FN\b", text):
             if match.start() not in understood:
                 raise Refusal(f"{at(match.start())}: this SHADE_FN is not 'type name(type name, …)'")
 
-    def value(self, type_name, name, owner, code, offset, where):
+    def value(self, type_name, name, owner, code, offset, where, condition=""):
         if type_name in TYPES:
-            return Value(name, type_name, owner, offset, len(TYPES[type_name][0]), code)
+            return Value(name, type_name, owner, offset, len(TYPES[type_name][0]), code, condition)
         if type_name not in self.structs:
             raise Refusal(f"{where}: type {type_name} is not understood; teach TYPES in tests/parity/generate.py")
         value = Value(name, type_name, owner, offset, 0, code)
         for member_type, member, suffix in self.structs[type_name]:
-            inner = self.value(member_type, member, type_name, f"{code}.{suffix}", offset + value.size, where)
+            when = condition
+            for pattern, only in SOMETIMES.get(type_name, ()) if not when else ():
+                if re.fullmatch(pattern, member):
+                    when = only.format(s=code)
+                    break
+            inner = self.value(member_type, member, type_name, f"{code}.{suffix}", offset + value.size, where, when)
             value.members.append(inner)
             value.size += inner.size
         return value
+
+
+    def output(self, function, where):
+        """What comes back: the result, or what is filled in place, or both as the members of a nameless struct."""
+        parts, offset = [], 0
+        if function.result != "void":
+            parts.append((function.result, "", "r"))
+        parts += [(kind, name, f"a{i}") for i, (kind, name, in_place) in enumerate(function.parameters) if in_place]
+        if not parts:
+            raise Refusal(f"{where}: {function.name} returns nothing")
+        values = []
+        for kind, name, code in parts:
+            values.append(self.value(kind, name, function.name, code, offset, where))
+            offset += values[-1].size
+        return values[0] if len(values) == 1 else Value("", "outputs", function.name, 0, offset, "", members=values)
 
 
 def leaves(value):
@@ -180,16 +218,22 @@ def body(function, inputs, output):
             floats = [f"x[{leaf.offset + i}]" for i in range(leaf.size)]
             made = TYPES[leaf.type][1].format(*floats, all=", ".join(floats))
             lines.append(f"{leaf.code if value.members else declared} = {made};")
-    lines.append(f"{function.result} r = {function.name}({', '.join(value.code for value in inputs)});")
+    result = "" if function.result == "void" else f"{function.result} r = "
+    lines.append(f"{result}{function.name}({', '.join(value.code for value in inputs)});")
     for leaf in leaves(output):
+        absent = "0.0f" if leaf.type in ("int", "bool") else ABSENT
         for i, read in enumerate(TYPES[leaf.type][0]):
-            lines.append(f"y[{leaf.offset + i}] = {read.format(v=leaf.code)};")
+            text = read.format(v=leaf.code)
+            if leaf.condition:
+                text = f"{leaf.condition} ? {text} : {absent}"
+            lines.append(f"y[{leaf.offset + i}] = {text};")
     return lines
 
 
-def literal(value):
-    members = ", ".join(literal(member) for member in value.members)
-    return f'{{"{value.name}", "{value.type}", "{value.owner}", {value.offset}, {value.size}, {{{members}}}}}'
+def rows_of(value):
+    """FlatValue of tests/parity/function.h: the value, then its members."""
+    row = f'{{"{value.name}", "{value.type}", "{value.owner}", {value.offset}, {value.size}, {len(value.members)}}},'
+    return [row] + [inner for member in value.members for inner in rows_of(member)]
 
 
 def generate(root):
@@ -199,22 +243,23 @@ def generate(root):
     for index, function in enumerate(headers.functions):
         where = f"{function.header}:{function.line}"
         inputs, offset = [], 0
-        for number, (type_name, name) in enumerate(function.parameters):
+        for number, (type_name, name, _) in enumerate(function.parameters):
             inputs.append(headers.value(type_name, name, function.name, f"a{number}", offset, where))
             offset += inputs[-1].size
-        output = headers.value(function.result, "", function.name, "r", 0, where)
+        output = headers.output(function, where)
         statements = body(function, inputs, output)
         # Overloads are told apart by the types of their parameters.
         name = function.name
         if names.count(name) > 1:
-            name += "".join(f"_{kind}" for kind, _ in function.parameters)
+            name += "".join(f"_{kind}" for kind, _, _ in function.parameters)
         # Without parameters nothing reads x.
         x = "const float* x" if inputs else "const float* /*x*/"
         calls.append(f"void call_{index}({x}, float* y) {{\n  " + "\n  ".join(statements) + "\n}\n")
+        values = [row for value in (*inputs, output) for row in rows_of(value)]
+        calls.append(f"constexpr FlatValue kValues{index}[] = {{\n    " + "\n    ".join(values) + "\n};\n")
         rows.append(
-            f'    table.push_back({{"{name}", "{function.header}", {function.line}, '
-            f"{{{', '.join(map(literal, inputs))}}}, {offset},\n      {literal(output)}, call_{index}, R\"glsl(  "
-            + "\n  ".join(statements) + '\n)glsl"});'
+            f'    {{"{name}", "{function.header}", {function.line}, {len(inputs)}, {offset}, kValues{index}, call_{index}, '
+            'R"glsl(  ' + "\n  ".join(statements) + '\n)glsl"},'
         )
     includes = "\n".join(f'#include "{name}"' for name in headers.files)
     return (
@@ -222,10 +267,9 @@ def generate(root):
         f'#include "parity/function.h"\n\n{includes}\n\n'
         "namespace candela::parity {\nnamespace {\n\nusing namespace candela::shade;\n\n"
         + "\n".join(calls)
-        + "\n}  // namespace\n\nconst std::vector<Function>& functions() {\n"
-        + "  static const std::vector<Function> kTable = [] {\n    std::vector<Function> table;\n"
+        + "\n}  // namespace\n\nconst FlatFunction kFlatFunctions[] = {\n"
         + "\n".join(rows)
-        + "\n    return table;\n  }();\n  return kTable;\n}\n\n}  // namespace candela::parity\n"
+        + f"\n}};\nconst int kFlatFunctionCount = {len(rows)};\n\n}}  // namespace candela::parity\n"
     )
 
 
@@ -240,25 +284,47 @@ PLANTED = [
     ("SHADE_FN float f(float a);\nSHADE_FN float f(float a) { return a; }\nSHADE_FN float f(vec3 a) { return a.x; }",
      ["f_float", "f_vec3"]),
     ("SHADE_FN float f(Unknown u) { return 0.0f; }", Refusal),
+    ("struct S { float a; };\nSHADE_FN float f(SHADE_IN(S) s, vec3 w) { return s.a; }", ["f"]),
+    ("struct S { float a; };\nSHADE_FN void f(SHADE_IN(S) s, SHADE_INOUT(S) t);\nSHADE_FN int g(SHADE_INOUT(S) t);",
+     ["f", "g"]),
+    ("struct S { float a; };\nSHADE_FN void f(SHADE_IN(S) s) { }", Refusal),
+    ("SHADE_FN float f(SHADE_OUT(float) a) { return a; }", Refusal),
     ("SHADE_FN float f(inout float a) { return a; }", Refusal),
     ("SHADE_FN constexpr float f(float a) { return a; }", Refusal),
     ("struct S { float c[kUnknown]; };", Refusal),
 ]
 
 
+# Text that the statements of a planted header must hold.
+PLANTED_STATEMENTS = [
+    ("struct S { float a; };\nSHADE_FN int f(SHADE_IN(S) s, SHADE_INOUT(S) t);",
+     ["int r = f(a0, a1);", "y[0] = float(r);", "y[1] = a1.a;"]),
+    ("struct Surface { int lobes; float coat_alpha; };\nSHADE_FN void f(SHADE_INOUT(Surface) s);",
+     ["  f(a0);", "y[0] = float(a0.lobes);", f"y[1] = (a0.lobes & kLobeClearcoat) != 0 ? a0.coat_alpha : {ABSENT};"]),
+]
+
+
+def generate_planted(text):
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        (root / "shade").mkdir()
+        (root / "shade/planted.glsl.h").write_text(text, encoding="utf-8")
+        return generate(root)
+
+
 def self_test():
     for text, expected in PLANTED:
-        with tempfile.TemporaryDirectory() as folder:
-            root = pathlib.Path(folder)
-            (root / "shade").mkdir()
-            (root / "shade/planted.glsl.h").write_text(text, encoding="utf-8")
-            try:
-                found = re.findall(r'push_back\({"(\w+)"', generate(root))
-            except Refusal as refusal:
-                found = Refusal if str(refusal).startswith("shade/planted.glsl.h:") else str(refusal)
+        try:
+            found = re.findall(r'^    {"(\w+)", "shade/', generate_planted(text), re.MULTILINE)
+        except Refusal as refusal:
+            found = Refusal if str(refusal).startswith("shade/planted.glsl.h:") else str(refusal)
         if found != expected:
             sys.exit(f"self-test: {text!r}: expected {expected}, found {found}")
-    print(f"{len(PLANTED)} planted headers read as they should be")
+    for text, expected in PLANTED_STATEMENTS:
+        missing = [statement for statement in expected if statement not in generate_planted(text)]
+        if missing:
+            sys.exit(f"self-test: {text!r}: not found: {missing}")
+    print(f"{len(PLANTED) + len(PLANTED_STATEMENTS)} planted headers read as they should be")
 
 
 def main():

@@ -48,6 +48,8 @@ std::unique_ptr<GlesContext> GlesContext::open(std::string& why) {
   // What the environment already says stays. The disk cache would only leave files behind.
   setenv("LIBGL_ALWAYS_SOFTWARE", "1", 0);
   setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
+  // Each program runs once: code that is optimised takes longer to compile than it saves.
+  setenv("GALLIVM_PERF", "nopt", 0);
   // Vertices are shaded on this thread; the idle threads of the rasterizer only alarm ThreadSanitizer.
   setenv("LP_NUM_THREADS", "0", 0);
 

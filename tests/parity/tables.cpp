@@ -3,11 +3,29 @@
 #include <array>
 
 #include "base/error.h"
+#include "shade/tables.glsl.h"
 
 namespace candela::parity {
 
+namespace {
+
+/// The tables of shade/tables.glsl.h in rows of 256, as shade_table reads them.
+Table shade_tables() {
+  constexpr int kWidth = 256;
+  Table table;
+  table.uniform = "shade_table_texels";
+  table.target = GL_TEXTURE_2D;
+  table.width = kWidth;
+  table.height = (shade::kTableCount + kWidth - 1) / kWidth;
+  table.texels.assign(shade::kTableEntries, shade::kTableEntries + shade::kTableCount);
+  table.texels.resize(static_cast<std::size_t>(kWidth) * static_cast<std::size_t>(table.height));
+  return table;
+}
+
+}  // namespace
+
 const std::vector<Table>& tables() {
-  static const std::vector<Table> kTables = {};
+  static const std::vector<Table> kTables = {shade_tables()};
   return kTables;
 }
 
