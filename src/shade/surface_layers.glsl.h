@@ -184,9 +184,9 @@ SHADE_FN vec2 layers_ggx(SHADE_IN(Surface) s, vec3 w) {
   float mu = abs(w.z);
   if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx(mu, s.row);
   float along = layers_roughness_along(s, w);
-  vec2 round = table_ggx(mu, table_ggx_roughness(along));
+  float b = table_ggx(mu, table_ggx_roughness(along)).y;
   float albedo = 1.0f - table_anisotropic(mu, along, sqrt(s.alpha_x), sqrt(s.alpha_y));
-  float b = albedo * round.y / max(round.x + round.y, 1e-6f);
+  b = min(b, albedo);
   return vec2(albedo - b, b);
 }
 
