@@ -223,7 +223,7 @@ SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOU
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
   vec2 ab = table_ggx(layers_coat_cosine(s, wo), s.coat_row);
-  s.coat_escape_o = 1.0f - ab.x - ab.y;
+  s.coat_escape_o = s.is_coat_mirror ? 0.0f : max(1.0f - ab.x - ab.y, 0.0f);
 }
 
 SHADE_FN void layers_prepare_sheen(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {

@@ -197,7 +197,7 @@ void add_matter(Table& table) {
       with_film(p);
       p.film_nm = thickness_nm;
       // The tables know a film by what it reflects at normal incidence.
-      const Promise promise = metallic > 0.0f ? Promise{} : Promise{true, true, 0.07, 0.04};
+      const Promise promise = metallic > 0.0f ? Promise{} : Promise{true, true, 0.1, 0.04};
       table.add("film of " + number(thickness_nm) + " nm on " + (metallic > 0.0f ? "metal" : "dielectric"), p, promise,
                 true);
     }

@@ -252,7 +252,7 @@ std::vector<Mutant> opacity_mutants() {
   const auto shines_through = [](const Surface& s, vec3 wo, vec3 wi) {
     return shade::surface_eval(s, wo, vec3(wi.x, wi.y, std::abs(wi.z)));
   };
-  return {eval_mutant("light from below", shines_through, has_density)};
+  return {eval_mutant("light from below", shines_through, reflects_diffusely)};
 }
 
 std::vector<Mutant> energy_mutants() {
