@@ -20,7 +20,7 @@ ALLOWED = {
     "io": {"scene", "image", "math", "base"},
     "path": {"scene", "shade", "image", "math", "base"},
     "study": {"path", "scene", "shade", "image", "math", "base"},
-    "candela": {"study", "path", "io", "scene", "image", "math", "base"},
+    "candela": {"path", "io", "scene", "image", "math", "base"},
 }
 
 # Third-party headers by prefix, and the folders that wrap them. Only what is in PUBLIC may stand in a header of src/

@@ -38,7 +38,7 @@ int fail(int code, const std::string& message, const std::string& hint = {}) {
 
 std::string usage_hint(int argc, char** argv) {
   const std::string_view verb = argc > 1 ? argv[1] : "";
-  const bool known = verb == "render" || verb == "info";
+  const bool known = verb == "render" || verb == "info" || verb == "furnace";
   return std::string("Try 'candela ") + (known ? std::string(verb) + " " : "") + "--help'.\n";
 }
 
@@ -75,13 +75,15 @@ int run(int argc, char** argv) {
   app.formatter(std::make_shared<HelpFormatter>());
   const Verb render = add_render(app);
   const Verb info = add_info(app);
+  const Verb furnace = add_furnace(app);
   app.footer("`candela VERB --help` tells more, with examples.");  // last, because verbs inherit it
 
   try {
     app.parse(argc, argv);
     if (app.got_subcommand("render")) return render(), kDone;
     if (app.got_subcommand("info")) return info(), kDone;
-    throw UsageError("no verb given: render or info");
+    if (app.got_subcommand("furnace")) return furnace(), kDone;
+    throw UsageError("no verb given: render, info or furnace");
   } catch (const CLI::CallForHelp&) {
     print(app.help());
     return kDone;

@@ -180,7 +180,7 @@ void add_running(CLI::App* verb, RenderOptions& o) {
 std::string footer() {
   std::string text = "Built-in scenes:\n";
   for (const io::DemoInfo& demo : io::demos())
-    text += fmt::format("  {:<16} {}\n", "demo:" + demo.name, demo.description);
+    text += fmt::format("  {:<32} {}\n", "demo:" + demo.name, demo.description);
   return text + R"(
 Examples:
   candela render demo:materials -o materials.png

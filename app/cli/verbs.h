@@ -9,6 +9,7 @@ namespace candela::cli {
 using Verb = std::function<void()>;
 Verb add_render(CLI::App& app);
 Verb add_info(CLI::App& app);
+Verb add_furnace(CLI::App& app);
 
 /// Writes `text` to standard output; throws Error where that fails (a full disk behind a redirection).
 void print(const std::string& text);

@@ -75,7 +75,7 @@ SHADE_FN void base_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
 /// their cosine-weighted means.
 SHADE_FN void base_energy(vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
   s.escape_mean = 1.0f - mean.x - mean.y;
-  s.escape_o = base_escape(ab);
+  s.escape_o = s.is_mirror ? 0.0f : base_escape(ab);
 
   // ----- multiple scattering between facets, of each material before they are mixed
   vec3 share_dielectric = multiscatter_share3(schlick_mean(s.f0_dielectric, s.f90_dielectric), 1.0f - s.escape_mean);

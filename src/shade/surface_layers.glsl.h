@@ -185,9 +185,9 @@ SHADE_FN vec2 layers_ggx(SHADE_IN(Surface) s, vec3 w) {
   float mu = abs(w.z);
   if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx(mu, s.row);
   float along = layers_roughness_along(s, w);
-  vec2 round = table_ggx(mu, table_ggx_roughness(along));
+  float b = table_ggx(mu, table_ggx_roughness(along)).y;
   float albedo = 1.0f - table_anisotropic(mu, along, sqrt(s.alpha_x), sqrt(s.alpha_y));
-  float b = albedo * round.y / max(round.x + round.y, 1e-6f);
+  b = min(b, albedo);
   return vec2(albedo - b, b);
 }
 
@@ -224,7 +224,7 @@ SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOU
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
   vec2 ab = table_ggx(layers_coat_cosine(s, wo), s.coat_row);
-  s.coat_escape_o = base_escape(ab);
+  s.coat_escape_o = s.is_coat_mirror ? 0.0f : base_escape(ab);
 }
 
 SHADE_FN void layers_prepare_sheen(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {

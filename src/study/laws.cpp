@@ -37,17 +37,12 @@ std::function<Closure(vec3 wo)> seen(const SurfaceParams& params) {
   };
 }
 
-/// Roberts 2018: the additive recurrence in three dimensions, whose points fill the cube evenly.
-vec3 lattice_point(int i) {
-  const auto part = [i](double step) {
-    const double x = 0.5 + step * (i + 1);
-    return static_cast<float>((x - std::floor(x)) * (1.0 - 1e-7));
-  };
-  return {part(0.8191725133961644), part(0.6710436067037892), part(0.5497004779019702)};
-}
+/// Refracted lobes end where their facets do, in the midst of a hemisphere.
+bool is_bent(const Bsdf& bsdf) { return bsdf.eta != 1.0; }
 
 /// Integrals of f·cos and pdf over one side.
-glm::dvec4 integrate_side(const Closure& closure, const std::vector<vec3>& peaks, bool is_behind, double tolerance) {
+glm::dvec4 integrate_side(const Closure& closure, const std::vector<vec3>& peaks, bool is_behind, bool has_edges,
+                          double tolerance) {
   const DirectionFunction f = [&](vec3 w) {
     const SurfaceEval e = closure.eval(is_behind ? mirrored(w) : w);
     return glm::dvec4(glm::dvec3(e.value), static_cast<double>(e.pdf));
@@ -58,11 +53,19 @@ glm::dvec4 integrate_side(const Closure& closure, const std::vector<vec3>& peaks
   }
   QuadratureOptions options;
   options.tolerance = tolerance;
-  if (is_behind && !on_side.empty()) options.min_depth = 8;  // refracted lobes end where facets do
+  if (has_edges) options.min_depth = 10;
   return HemisphereQuadrature(f, on_side, options).integral();
 }
 
 }  // namespace
+
+vec3 lattice_point(int i) {
+  const auto part = [i](double step) {
+    const double x = 0.5 + step * (i + 1);
+    return static_cast<float>((x - std::floor(x)) * (1.0 - 1e-7));
+  };
+  return {part(0.8191725133961644), part(0.6710436067037892), part(0.5497004779019702)};
+}
 
 SurfaceParams params_from_behind(SurfaceParams params) {
   params.eta = 1.0f / params.eta;
@@ -117,24 +120,47 @@ glm::dvec4 furnace(const Bsdf& bsdf, vec3 wo, double tolerance) {
   const Closure closure = bsdf.seen_from(wo);
   const std::vector<vec3> peaks = bsdf.peaks(wo);
   const double behind = bsdf.eta * bsdf.eta;
-  glm::dvec4 sum = integrate_side(closure, peaks, false, tolerance);
-  sum += integrate_side(closure, peaks, true, tolerance) * glm::dvec4(behind, behind, behind, 1.0);
+  glm::dvec4 sum = integrate_side(closure, peaks, false, false, tolerance);
+  sum += integrate_side(closure, peaks, true, is_bent(bsdf), tolerance) * glm::dvec4(behind, behind, behind, 1.0);
   for (const DeltaLobe& lobe : delta_lobes(closure)) {
     sum += glm::dvec4(glm::dvec3(lobe.value) * (lobe.wi.z < 0.0f ? behind : 1.0), 0.0);
   }
   return sum;
 }
 
+namespace {
+
+void widen(FurnaceRange& range, glm::dvec4 albedo) {
+  range.least = std::min(range.least, std::min(albedo.x, std::min(albedo.y, albedo.z)));
+  range.most = std::max(range.most, std::max(albedo.x, std::max(albedo.y, albedo.z)));
+}
+
+}  // namespace
+
 FurnaceRange furnace_range(const Bsdf& bsdf, double tolerance) {
   FurnaceRange range{1e30, -1e30};
+  for (const vec3 wo : view_directions()) widen(range, furnace(bsdf, wo, tolerance));
+  return range;
+}
+
+Measurement measure(const Bsdf& bsdf, double tolerance) {
+  constexpr int kSamples = 32768;
+  Measurement m;
+  m.reciprocity = reciprocity_error(bsdf);
+  m.flaws = flaws(bsdf);
+  m.furnace = {1e30, -1e30};
   for (const vec3 wo : view_directions()) {
     const glm::dvec4 albedo = furnace(bsdf, wo, tolerance);
-    for (int c = 0; c < 3; ++c) {
-      range.least = std::min(range.least, albedo[c]);
-      range.most = std::max(range.most, albedo[c]);
+    widen(m.furnace, albedo);
+    const Closure closure = bsdf.seen_from(wo);
+    int without_density = 0;
+    for (int i = 0; i < kSamples; ++i) {
+      const SurfaceSample s = closure.draw(lattice_point(i));
+      if (s.is_delta || s.pdf == 0.0f) ++without_density;
     }
+    m.pdf = std::max(m.pdf, std::abs(albedo.w + static_cast<double>(without_density) / kSamples - 1.0));
   }
-  return range;
+  return m;
 }
 
 double reciprocity_error(const Bsdf& bsdf) {
@@ -167,24 +193,6 @@ double reciprocity_error(const Bsdf& bsdf) {
       const double b = backward[c];
       worst = std::max(worst, std::abs(a - b) / (std::max(std::abs(a), std::abs(b)) + kFloor));
     }
-  }
-  return worst;
-}
-
-double pdf_error(const Bsdf& bsdf, double tolerance) {
-  constexpr int kSamples = 65536;
-  double worst = 0.0;
-  for (const vec3 wo : view_directions()) {
-    const Closure closure = bsdf.seen_from(wo);
-    const std::vector<vec3> peaks = bsdf.peaks(wo);
-    const double integral =
-        integrate_side(closure, peaks, false, tolerance).w + integrate_side(closure, peaks, true, tolerance).w;
-    int without_density = 0;
-    for (int i = 0; i < kSamples; ++i) {
-      const SurfaceSample s = closure.draw(lattice_point(i));
-      if (s.is_delta || s.pdf == 0.0f) ++without_density;
-    }
-    worst = std::max(worst, std::abs(integral + static_cast<double>(without_density) / kSamples - 1.0));
   }
   return worst;
 }

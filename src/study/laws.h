@@ -38,6 +38,9 @@ shade::vec3 direction(float cos_theta, float phi);
 /// From the normal to nearly grazing, off the coordinate axes.
 std::vector<shade::vec3> view_directions();
 
+/// Roberts 2018: the additive recurrence in three dimensions, whose points fill the cube evenly.
+shade::vec3 lattice_point(int i);
+
 /// Directional albedo: what a furnace of radiance 1 sends back along wo, by quadrature over the whole sphere plus delta
 /// lobes. Behind a bent boundary the furnace has radiance η². w is the integral of the pdf, without deltas.
 glm::dvec4 furnace(const Bsdf& bsdf, shade::vec3 wo, double tolerance = 2e-6);
@@ -53,9 +56,6 @@ FurnaceRange furnace_range(const Bsdf& bsdf, double tolerance = 2e-6);
 /// wo). Differences of less than a thousandth of 1/π count as against that.
 double reciprocity_error(const Bsdf& bsdf);
 
-/// Largest |∫ pdf + P(delta) + P(no sample) - 1|; the chances are shares of a lattice of random numbers, good to 1e-3.
-double pdf_error(const Bsdf& bsdf, double tolerance = 2e-6);
-
 /// Values, densities and weights that are not finite or negative, directions that are not unit, samples that leave on
 /// the horizon: how many of how many, down to cosines of 1e-4 and at the corners of the random numbers, and the first.
 struct Flaws {
@@ -64,6 +64,17 @@ struct Flaws {
   std::string first;
 };
 Flaws flaws(const Bsdf& bsdf);
+
+/// All of it.
+struct Measurement {
+  double reciprocity = 0.0;
+  FurnaceRange furnace;
+  /// Largest |∫ pdf + P(delta) + P(no sample) - 1|; the chances are shares of a lattice of random numbers, good to
+  /// 1e-3.
+  double pdf = 0.0;
+  Flaws flaws;
+};
+Measurement measure(const Bsdf& bsdf, double tolerance = 2e-6);
 
 /// The delta lobes at wo: each once, by scanning the choice of the lobe.
 struct DeltaLobe {

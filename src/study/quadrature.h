@@ -14,8 +14,8 @@ using DirectionFunction = std::function<glm::dvec4(glm::vec3)>;
 struct QuadratureOptions {
   double tolerance = 2e-6;  ///< of one cell, absolute, in every component
   double max_share = 1e30;  ///< cells are split until the w component of each is below: bins for a χ² test
-  int min_depth = 4;  ///< bisections before the first belief: 2⁴ cells at least; more where the integrand has edges
   double peak_size = 0.01;  ///< radians; nearest cells are split down to it before an error is believed
+  int min_depth = 4;        ///< bisections before the first belief: 2^n cells at least; more where there are edges
 };
 
 /// Integral over the upper hemisphere (z ≥ 0) with respect to solid angle, by adaptive bisection in (θ, φ) along the

@@ -1,5 +1,6 @@
 #include "study/surfaces.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <sstream>
@@ -145,7 +146,7 @@ void add_layers(Table& table) {
     for (const float roughness : {0.0f, 0.2f, 0.5f, 1.0f}) {
       SurfaceParams p = white(metallic);
       with_coat(p, roughness);
-      table.add("coat of roughness " + number(roughness) + matter, p, {}, true);
+      table.add("coat of roughness " + number(roughness) + matter, p, {true, true, 0.005, 0.008}, true);
     }
     for (const float roughness : {0.0f, 0.2f, 0.5f, 1.0f}) {
       SurfaceParams p = white(metallic);
@@ -170,18 +171,20 @@ void add_matter(Table& table) {
     for (std::size_t i = 1; i < kGlasses.size(); ++i) {
       SurfaceParams p = white(0.0f);
       with_glass(p, kGlasses[i], ior);
-      table.add(std::string(kGlassNames[i]) + " of index " + number(ior), p, {}, true);
+      table.add(std::string(kGlassNames[i]) + " of index " + number(ior), p, {true, true, 0.008, 0.005}, true);
     }
   }
   for (const float strength : {0.3f, 1.0f}) {
     SurfaceParams p = white(1.0f);
     with_anisotropy(p);
     p.anisotropy = strength;
-    table.add("anisotropic metal, strength " + number(strength), p, {}, true, {0.1f, 0.2f, 0.3f, 0.6f, 1.0f});
+    table.add("anisotropic metal, strength " + number(strength), p, {true, true, 0.006, 0.006}, true,
+              {0.1f, 0.2f, 0.3f, 0.6f, 1.0f});
   }
   SurfaceParams anisotropic = white(0.0f);
   with_anisotropy(anisotropic);
-  table.add("anisotropic dielectric", anisotropic, {}, true, {0.1f, 0.2f, 0.3f, 0.6f, 1.0f});
+  // How much of Schlick's rise such a lobe has is guessed from a round one.
+  table.add("anisotropic dielectric", anisotropic, {true, true, 0.005, 0.03}, true, {0.1f, 0.2f, 0.3f, 0.6f, 1.0f});
   for (const float share : {0.5f, 1.0f}) {
     SurfaceParams p = white(0.0f);
     with_diffuse_transmission(p);
@@ -194,7 +197,7 @@ void add_matter(Table& table) {
       with_film(p);
       p.film_nm = thickness_nm;
       // The tables know a film by what it reflects at normal incidence.
-      const Promise promise{true, metallic > 0.0f, 0.01, 0.03};
+      const Promise promise = metallic > 0.0f ? Promise{} : Promise{true, true, 0.1, 0.04};
       table.add("film of " + number(thickness_nm) + " nm on " + (metallic > 0.0f ? "metal" : "dielectric"), p, promise,
                 true);
     }
@@ -215,8 +218,6 @@ void add_matter(Table& table) {
 // ----- all at once
 
 void add_combinations(Table& table) {
-  // Two at a time and more: the factors of each are exact alone, and their product is not.
-  const Promise combined{true, true, 0.06, 0.015};
   for (int bits = 0; bits < 32; ++bits) {
     for (std::size_t g = 0; g < 5; ++g) {
       const bool is_metal = g == 4;
@@ -245,7 +246,17 @@ void add_combinations(Table& table) {
       if (has_sheen) name += " + sheen";
       if (has_coat) name += " + coat";
       // A streak as thin as a mirror's and as wide as a diffuse lobe is beyond quadrature, and beyond sight.
-      table.add(name, p, combined, false, {has_anisotropy ? 0.1f : 0.0f, 0.3f, 1.0f});
+      // Two at a time and more: the factors of each are exact alone, and their product is not. Films on dielectrics are
+      // known to the tables by what they reflect at normal incidence, streaks on bodies by a round lobe.
+      Promise promise{true, true, 0.02, 0.015};
+      if (has_sheen && has_coat) promise.loss = 0.075;
+      if (has_film && !is_metal) promise.gain = 0.04;
+      if (has_film && !is_metal) promise.loss = 0.1;
+      if (has_anisotropy) promise.gain = std::max(promise.gain, 0.03);
+      if (has_anisotropy) promise.loss = std::max(promise.loss, 0.08);
+      if (has_anisotropy && has_glass) promise.gain = std::max(promise.gain, 0.075);
+      if (has_anisotropy && has_glass) promise.loss = 0.16;
+      table.add(name, p, promise, false, {has_anisotropy ? 0.1f : 0.0f, 0.3f, 1.0f});
     }
   }
 }

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <vector>
 
-#include "shade/surface.glsl.h"
+#include "study/laws.h"
+#include "study/surfaces.h"
 
 // Each law takes any pair of functions that claims to be a BSDF and says whether it holds, with the numbers that
 // decided. The real surface must pass, its mutants must not: a law that cannot fail proves nothing.
@@ -17,58 +17,57 @@ using shade::SurfaceParams;
 using shade::SurfaceSample;
 using shade::vec2;
 using shade::vec3;
-
-/// The BSDF contract of shade/surface.glsl.h.
-struct Bsdf {
-  std::function<SurfaceEval(vec3 wo, vec3 wi)> eval;
-  std::function<SurfaceSample(vec3 wo, vec3 u)> sample;
-};
-
-/// What the renderers compile.
-Bsdf real_bsdf(const SurfaceParams& params);
+using study::Bsdf;
+using study::Closure;
+using study::direction;
+using study::NamedSurface;
+using study::Promise;
+using study::real_bsdf;
+using study::view_directions;
 
 struct Verdict {
   bool holds = true;
   std::string evidence;
 };
 
-/// What a statistical law needs to know: where its random numbers start and the p-value below which it fails.
+/// What a law may need to know of the surface: what is promised, where random numbers start and the p-value below which
+/// a statistical law fails.
 struct Trial {
+  Promise promise;
   std::uint64_t seed = 1;
   double threshold = 0.0;
 };
 
-/// Viewing directions of the laws that integrate, from the normal to nearly grazing, off the coordinate axes.
-std::vector<vec3> view_directions();
-vec3 direction(float cos_theta, float phi);
+/// f(wo, wi) = f(wi, wo), and f(wo, wi) η² = f(wi, wo) through a body's boundary, where that is promised.
+Verdict reciprocity(const Bsdf& bsdf, const Trial& trial);
 
-/// f(wo, wi) = f(wi, wo), after dividing eval by the cosine.
-Verdict reciprocity(const Bsdf& bsdf);
+/// Values, densities and weights are finite and not negative, at grazing angles and the corners of the random numbers;
+/// sampled directions are unit.
+Verdict finiteness(const Bsdf& bsdf, const Trial& trial);
 
-/// Values, densities and weights are finite and not negative, down to cosines of 1e-4 and for the corners of the random
-/// numbers; nothing is reflected below the horizon; sampled directions are unit.
-Verdict finiteness(const Bsdf& bsdf);
+/// An opaque surface has nothing to do with light from below.
+Verdict opacity(const Bsdf& bsdf, const Trial& trial);
 
-/// Directional albedo ≤ 1, delta lobes included.
-Verdict energy(const Bsdf& bsdf);
+/// White furnace: the albedo is within what is promised of 1, delta lobes included.
+Verdict energy(const Bsdf& bsdf, const Trial& trial);
 
 /// ∫ pdf + P(delta) + P(no sample) = 1. "No sample" is mostly a visible normal that reflects below the horizon.
 Verdict pdf_integrates_to_one(const Bsdf& bsdf, const Trial& trial);
 int pdf_integrates_to_one_tests();
 
-/// χ² of sampled directions against the integral of the pdf over adaptive cells.
+/// χ² of sampled directions against the integral of the pdf over adaptive cells of both hemispheres.
 Verdict sampling_follows_pdf(const Bsdf& bsdf, const Trial& trial);
 int sampling_follows_pdf_tests();
 
 /// sample's weight is eval / pdf and its pdf is eval's pdf.
-Verdict weight_is_eval_over_pdf(const Bsdf& bsdf);
+Verdict weight_is_eval_over_pdf(const Bsdf& bsdf, const Trial& trial);
 
 /// The mean of weights is the quadrature of eval (delta lobes aside).
 Verdict mean_weight_is_albedo(const Bsdf& bsdf, const Trial& trial);
 int mean_weight_is_albedo_tests();
 
-/// Just above the width at which GGX becomes a delta lobe, a surface reflects as much as just below, and the delta lobe
-/// goes into the mirror direction.
+/// Just above the width at which GGX becomes a delta lobe, a surface reflects and refracts as much as just below, and
+/// delta lobes go into the mirror direction, straight on, or where Snell sends them.
 Verdict smooth_limit(const std::function<Bsdf(float roughness)>& family);
 
 }  // namespace candela::laws

@@ -17,6 +17,7 @@ struct Mutant {
 
 std::vector<Mutant> reciprocity_mutants();
 std::vector<Mutant> finiteness_mutants();
+std::vector<Mutant> opacity_mutants();
 std::vector<Mutant> energy_mutants();
 std::vector<Mutant> pdf_mutants();
 std::vector<Mutant> sampling_mutants();

@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/parallel.h"
+#include "cli/output.h"
+#include "cli/progress.h"
+#include "cli/values.h"
+#include "cli/verbs.h"
+#include "image/develop.h"
+#include "study/matrix.h"
+
+namespace candela::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string percent(double deviation) { return fmt::format("{:+.2f} %", 100.0 * deviation); }
+
+std::string matrix_text(const std::vector<study::MatrixRow>& matrix) {
+  std::string text = fmt::format("{:<58} {:>11} {:>10} {:>10} {:>8} {:>10}  {}\n", "surface", "reciprocity",
+                                 "furnace -", "furnace +", "pdf", "not finite", "promise");
+  int broken = 0;
+  int surfaces = 0;
+  for (const study::MatrixRow& row : matrix) {
+    const study::Measurement& m = row.worst;
+    text += fmt::format("{:<58} {:>11.0e} {:>10} {:>10} {:>8.0e} {:>10}  {}\n", row.group, m.reciprocity,
+                        percent(m.furnace.least - 1.0), percent(m.furnace.most - 1.0), m.pdf, m.flaws.count,
+                        row.holds ? "kept" : "BROKEN");
+    if (!row.holds) ++broken;
+    surfaces += row.surfaces;
+  }
+  return text + fmt::format("{} surfaces in {} groups, {} broken promises\n", surfaces, matrix.size(), broken);
+}
+
+std::string matrix_json(const std::vector<study::MatrixRow>& matrix) {
+  Json rows = Json::array();
+  for (const study::MatrixRow& row : matrix) {
+    const study::Measurement& m = row.worst;
+    Json promise = {{"reciprocal", row.promise.is_reciprocal}, {"white", row.promise.is_white}};
+    // Of what is exempt there is no bound to tell.
+    if (row.promise.is_white) promise["loss"] = row.promise.loss;
+    if (row.promise.gain < 1.0) promise["gain"] = row.promise.gain;
+    rows.push_back({{"surface", row.group},
+                    {"surfaces", row.surfaces},
+                    {"reciprocity_error", m.reciprocity},
+                    {"furnace", {{"least", m.furnace.least}, {"most", m.furnace.most}}},
+                    {"pdf_error", m.pdf},
+                    {"not_finite", m.flaws.count},
+                    {"promise", promise},
+                    {"kept", row.holds}});
+  }
+  return Json{{"laws", rows}}.dump(2) + "\n";
+}
+
+/// Values are encoded already.
+DisplayImage display(const Image& sheet) {
+  DisplayImage image{sheet.width, sheet.height, {}};
+  image.rgba.reserve(sheet.pixels.size() / 3 * 4);
+  for (int y = 0; y < sheet.height; ++y) {
+    for (int x = 0; x < sheet.width; ++x) {
+      const vec3 v = sheet.rgb(x, y);
+      for (int c = 0; c < 3; ++c) image.rgba.push_back(static_cast<std::uint8_t>(std::lround(255.0f * v[c])));
+      image.rgba.push_back(255);
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+Verb add_furnace(CLI::App& app) {
+  struct Options {
+    std::string output;
+    bool json = false;
+    bool all = false;
+    bool quiet = false;
+    std::string threads;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("furnace", "Measure what the materials do with light")->group("Verbs");
+  verb->add_option("-o,--output", options->output, "Also draw the furnace sheet: a .png")->type_name("FILE");
+  verb->add_flag("--all", options->all, "Every combination of lobes, not the typical ones alone: minutes");
+  verb->add_flag("--json", options->json, "For a machine: one JSON object");
+  verb->add_option("--threads", options->threads, "Default: all the machine has")->type_name("N");
+  verb->add_flag("-q,--quiet", options->quiet, "No progress on standard error");
+  verb->footer(
+      "Examples:\n  candela furnace\n  candela furnace -o sheet.png\n  candela furnace --all --json > laws.json");
+  return [options] {
+    const std::filesystem::path output = options->output;
+    if (!options->output.empty() && !has_extension(output, ".png")) {
+      throw UsageError("--output: the sheet is a .png: " + options->output);
+    }
+    constexpr int kMostThreads = 1024;
+    const ThreadLimit limit(options->threads.empty() ? 0 : parse_count(options->threads, 1, kMostThreads));
+    if (!options->output.empty()) check_writable(output);
+
+    ProgressLine progress(options->quiet);
+    const auto telling = [&progress](const char* what) {
+      return [&progress, what](double share) { progress.phase(fmt::format("{} {:.0f} %", what, 100.0 * share)); };
+    };
+    const std::vector<study::MatrixRow> matrix = study::law_matrix(options->all, telling("measuring"));
+    if (!options->output.empty()) {
+      write_png(output, display(study::furnace_sheet(telling("drawing"))));
+      progress.line(fmt::format("{}: roughness 0 to 1; from the top: {}", options->output,
+                                fmt::join(study::furnace_sheet_rows(), "; ")));
+    }
+    print(options->json ? matrix_json(matrix) : matrix_text(matrix));
+  };
+}
+
+}  // namespace candela::cli
