@@ -258,8 +258,8 @@ def generate(root):
         values = [row for value in (*inputs, output) for row in rows_of(value)]
         calls.append(f"constexpr FlatValue kValues{index}[] = {{\n    " + "\n    ".join(values) + "\n};\n")
         rows.append(
-            f'    {{"{name}", "{function.header}", {function.line}, {len(inputs)}, {offset}, kValues{index}, call_{index}, '
-            'R"glsl(  ' + "\n  ".join(statements) + '\n)glsl"},'
+            f'    {{"{name}", "{function.header}", {function.line}, {len(inputs)}, {offset}, kValues{index}, '
+            f'call_{index}, ' 'R"glsl(  ' + "\n  ".join(statements) + '\n)glsl"},'
         )
     includes = "\n".join(f'#include "{name}"' for name in headers.files)
     return (
