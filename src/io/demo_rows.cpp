@@ -130,8 +130,11 @@ Material showcase(int i) {
       material.roughness = 0.4f;
       return material;
     }
-    case 4:
-      return cloth(vec3(0.75f, 0.25f, 0.55f), 0.35f);
+    case 4: {
+      Material material = cloth(vec3(0.95f, 0.4f, 0.7f), 0.5f);
+      material.base_color = srgb(0x8a2452);
+      return material;
+    }
     case 5:
       return wax(0.1f * kRadius);
     default: {
@@ -276,7 +279,7 @@ void add_ball(SceneBuilder& builder, Shape shape, int material, const std::strin
     if (shape == Shape::lamp) {
       Material lamp = dielectric(0xffffff, 1.0f);
       lamp.name = name + " lamp";
-      lamp.emission = vec3(12.0f, 10.4f, 8.8f);
+      lamp.emission = vec3(5.0f, 4.3f, 3.6f);
       add(" lamp", sphere(0.3f, 24), builder.material(lamp), center);
     }
     return;
