@@ -30,8 +30,8 @@ SHADE_FN float cosine_pdf(float cos_theta) { return max(cos_theta, 0.0f) * (1.0f
 // ----- rough diffuse layers. Each returns f, symmetric in the two directions, with both cosines > 0.
 
 /// Retroreflection at grazing angles when rough, darkening when smooth. `cos_d` is the cosine between a direction and
-/// the half vector. Burley 2012, "Physically Based Shading at Disney", §5.3. Reflects up to a few per cent more than
-/// arrives.
+/// the half vector. Burley 2012, "Physically Based Shading at Disney", §5.3. A rough white one reflects up to 1.55
+/// times what arrives at grazing angles.
 SHADE_FN vec3 burley_f(vec3 albedo, float roughness, float cos_i, float cos_o, float cos_d) {
   float rise = 2.0f * roughness * cos_d * cos_d - 0.5f;  // F_D90 - 1
   float i = 1.0f + rise * schlick_weight(cos_i);
@@ -39,8 +39,8 @@ SHADE_FN vec3 burley_f(vec3 albedo, float roughness, float cos_i, float cos_o, f
   return albedo * (i * o * (1.0f / kShadePi));
 }
 
-/// Burley's, scaled so that it reflects no more than arrives. Lagarde & de Rousiers 2014, "Moving Frostbite to
-/// Physically Based Rendering", §3.1.
+/// Burley's, scaled so that it reflects no more than arrives (but for 2.5 % at the horizon). Lagarde & de Rousiers
+/// 2014, "Moving Frostbite to Physically Based Rendering", §3.1.
 SHADE_FN vec3 burley_renormalised_f(vec3 albedo, float roughness, float cos_i, float cos_o, float cos_d) {
   float rise = 0.5f * roughness + 2.0f * roughness * cos_d * cos_d - 1.0f;
   float i = 1.0f + rise * schlick_weight(cos_i);
@@ -50,7 +50,7 @@ SHADE_FN vec3 burley_renormalised_f(vec3 albedo, float roughness, float cos_i, f
 
 /// V-shaped grooves of Lambertian walls whose slope angle has the standard deviation `sigma` (radians). Oren & Nayar
 /// 1994, "Generalization of Lambert's Reflectance Model", the qualitative model, eq. 30; sin α tan β cos Δφ written
-/// with cosines.
+/// with cosines. Loses a third of the light when rough.
 SHADE_FN vec3 oren_nayar_f(vec3 albedo, float sigma, vec3 wo, vec3 wi) {
   float s2 = sigma * sigma;
   float a = 1.0f - 0.5f * s2 / (s2 + 0.33f);
@@ -73,7 +73,7 @@ SHADE_FN float eon_rise(float mu) {
   return g * (1.0f / kShadePi);
 }
 
-/// The paper's polynomial for it, within 4e-4.
+/// The paper's polynomial for it, within 7e-4.
 SHADE_FN float eon_rise_fit(float mu) {
   float m = 1.0f - shade_saturate(mu);
   return m * (0.0571085289f + m * (0.491881867f + m * (-0.332181442f + m * 0.0714429953f)));

@@ -59,7 +59,7 @@ TEST(law_fresnel_models, spherical_gaussian_is_schlick_within_half_a_per_cent) {
     }
     return error;
   };
-  EXPECT_LT(worst(kCurves[1].f), 0.01f);
+  EXPECT_LT(worst(kCurves[1].f), 0.005f);
   EXPECT_GT(worst([](float f0, float c) { return f0 + (1.0f - f0) * std::exp((-5.55473f * c - 6.98316f) * c); }), 0.02f)
       << "e in place of 2";
 }

@@ -42,12 +42,31 @@ const std::vector<NamedDiffuse> kModels = {{"burley", burley},
 const std::vector<float> kRoughness = {0.0f, 0.1f, 0.3f, 0.5f, 0.75f, 1.0f};
 const std::vector<float> kCosines = {1.0f, 0.9f, 0.5f, 0.2f, 0.05f, 0.005f};
 
+// Simpson's rule with 2 · 32 intervals: an adaptive one would chase the rounding of single precision.
+double simpson(const std::function<double(double)>& f, double a, double b) {
+  constexpr int kPieces = 32;
+  const double h = (b - a) / (2.0 * kPieces);
+  double sum = 0.0;
+  for (int i = 0; i < kPieces; ++i) sum += f(a + 2 * i * h) + 4.0 * f(a + (2 * i + 1) * h) + f(a + (2 * i + 2) * h);
+  return sum * h / 3.0;
+}
+
+// ∫ f cos dω, in pieces between the kinks that these models have at θi = θo and at ±90° of azimuth.
 double albedo_of(const Diffuse& f, float r, float mu, float albedo = 1.0f) {
-  const vec3 wo = direction(mu, 0.9f);
-  const test::DirectionFunction g = [&](vec3 wi) {
-    return glm::dvec4(static_cast<double>(f(vec3(albedo), r, wo, wi).x * wi.z));
+  constexpr double kRight = 0.5 * std::numbers::pi;
+  const vec3 wo = direction(mu, 0.0f);
+  const double theta_o = std::acos(static_cast<double>(mu));
+  const auto ring = [&](double theta) {
+    const auto cos_i = static_cast<float>(std::max(std::cos(theta), 0.0));
+    const auto sin_i = static_cast<float>(std::sin(theta));
+    const auto at = [&](double phi) {
+      const vec3 wi(sin_i * static_cast<float>(std::cos(phi)), sin_i * static_cast<float>(std::sin(phi)), cos_i);
+      return static_cast<double>(f(vec3(albedo), r, wo, wi).x);
+    };
+    const double half_ring = simpson(at, 0.0, kRight) + simpson(at, kRight, 2.0 * kRight);
+    return 2.0 * half_ring * std::sin(theta) * std::cos(theta);
   };
-  return test::HemisphereQuadrature(g, {}).integral().x;
+  return simpson(ring, 0.0, theta_o) + simpson(ring, theta_o, kRight);
 }
 
 bool is_symmetric_and_finite(const Diffuse& f) {
@@ -92,10 +111,13 @@ double highest_albedo(const Diffuse& f) {
 }
 
 TEST(law_rough_diffuse, no_more_leaves_than_arrives) {
-  EXPECT_LT(highest_albedo(burley_renormalised), 1.0 + 1e-3);
-  EXPECT_LT(highest_albedo(shade::oren_nayar_f), 1.0 + 1e-3);
-  EXPECT_LT(highest_albedo(shade::eon_f), 1.0 + 1e-4);
-  EXPECT_GT(highest_albedo(burley), 1.02) << "what the renormalisation is for";
+  EXPECT_LT(highest_albedo(shade::eon_f), 1.0 + 2e-5);
+  // What their authors let pass at grazing angles.
+  EXPECT_LT(highest_albedo(burley_renormalised), 1.03);
+  EXPECT_LT(highest_albedo(shade::oren_nayar_f), 1.01);
+  EXPECT_GT(highest_albedo(burley), 1.5) << "what the renormalisation is for";
+  EXPECT_GT(highest_albedo([](vec3 rho, float r, vec3 wo, vec3 wi) { return 1.001f * shade::eon_f(rho, r, wo, wi); }),
+            1.0 + 2e-5);
 }
 
 // ----- Lambert's limit
@@ -199,8 +221,8 @@ TEST(law_rough_diffuse, eon_albedo_is_that_of_single_scattering) {
     }
     return error;
   };
-  EXPECT_LT(worst(shade::eon_albedo), 2e-3);
-  EXPECT_LT(worst(shade::eon_albedo_fit), 2.5e-3);
+  EXPECT_LT(worst(shade::eon_albedo), 1e-3) << "which is the albedo";
+  EXPECT_LT(worst(shade::eon_albedo_fit), 1.5e-3);
   EXPECT_GT(worst([](float mu, float r) { return shade::eon_albedo(mu, r * r); }), 1e-2);
   EXPECT_GT(worst([](float, float r) { return shade::eon_albedo(0.5f, r); }), 1e-2);
 }
@@ -214,8 +236,8 @@ TEST(law_rough_diffuse, eon_fit_and_mean_are_those_of_the_exact_curve) {
     }
     return error;
   };
-  EXPECT_LT(worst(shade::eon_rise_fit), 1e-3f);
-  EXPECT_GT(worst([](float mu) { return 1.01f * shade::eon_rise_fit(mu); }), 1e-3f);
+  EXPECT_LT(worst(shade::eon_rise_fit), 7e-4f);
+  EXPECT_GT(worst([](float mu) { return 1.01f * shade::eon_rise_fit(mu); }), 7e-4f);
   const auto mean =
       test::integrate([](double mu) { return 2.0 * mu * static_cast<double>(shade::eon_rise(static_cast<float>(mu))); },
                       0.0, 1.0, 1e-8);

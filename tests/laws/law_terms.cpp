@@ -140,8 +140,8 @@ TEST(law_terms, narrow_blinn_phong_and_beckmann_agree) {
   for (const float s : {0.0f, 0.05f, 0.1f}) {
     const vec3 wm = direction(std::sqrt(1.0f - s * s), 1.0f);
     EXPECT_NEAR(shade::blinn_phong_d(wm, 0.1f) / shade::beckmann_d(wm, 0.1f), 1.0f, 0.02f) << s;
-    EXPECT_GT(std::abs(shade::blinn_phong_d(wm, 0.1f) / shade::beckmann_d(wm, 0.11f) - 1.0f), 0.02f) << s;
   }
+  EXPECT_GT(shade::blinn_phong_d(kNormal, 0.1f) / shade::beckmann_d(kNormal, 0.11f), 1.1f);
 }
 
 // ----- G1: what is visible of the facets projects to what is visible of the plane, ∫ G1 max(wo·m, 0) D dm = cos θo
@@ -167,8 +167,8 @@ TEST(law_terms, masking_conserves_the_visible_area) {
   EXPECT_LT(worst_visible_area(shade::ggx_d, shade::ggx_g1), 3e-4);
   EXPECT_LT(worst_visible_area(shade::beckmann_d, beckmann_g1), 4e-3) << "Walter et al. 2007: 0.35 %";
   EXPECT_GT(worst_visible_area(shade::beckmann_d, shade::ggx_g1), 0.05) << "GGX masking on Beckmann facets";
-  EXPECT_LT(worst_visible_area(shade::charlie_d, charlie_g1), 0.12) << "a fit, worst at the horizon";
-  EXPECT_GT(worst_visible_area(shade::charlie_d, [](vec3 w, float a) { return charlie_g1(w, std::sqrt(a)); }), 0.12)
+  EXPECT_LT(worst_visible_area(shade::charlie_d, charlie_g1), 0.13) << "a fit, worst at the horizon";
+  EXPECT_GT(worst_visible_area(shade::charlie_d, [](vec3 w, float a) { return charlie_g1(w, std::sqrt(a)); }), 0.13)
       << "roughness for alpha";
 }
 
