@@ -23,7 +23,6 @@ bool has_specular(const SurfaceParams& p) { return is_plain(p) && (p.metallic > 
 bool has_diffuse(const SurfaceParams& p) {
   return is_plain(p) && p.metallic < 1.0f && !is_black(p) && (p.ior != 0.0f || p.specular < 1.0f);
 }
-bool has_density(const SurfaceParams& p) { return is_plain(p) && (!is_mirror(p) || has_diffuse(p)); }
 // At most a tenth of the samples may go to the diffuse layer of a half metallic mirror: too little to tell 3 %.
 bool has_much_density(const SurfaceParams& p) {
   return is_plain(p) && (!is_mirror(p) || (has_diffuse(p) && p.metallic == 0.0f));
