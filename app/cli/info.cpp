@@ -5,8 +5,10 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/diagnostics.h"
+#include "base/error.h"
 #include "candela/candela.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
@@ -146,8 +148,10 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   json["bytes"] = file.file_bytes;
   json["generator"] = file.generator;
   json["copyright"] = file.copyright;
-  json["extensions"] = {
-      {"used", file.extensions_used}, {"required", file.extensions_required}, {"unsupported", file.extensions_ignored}};
+  json["extensions"] = {{"used", file.extensions_used},
+                        {"required", file.extensions_required},
+                        {"unsupported", file.extensions_ignored},
+                        {"required_unsupported", file.extensions_missing}};
   json["variants"] = file.variants;
   json["animations"] = file.animations;
   json["skins"] = file.skins;
@@ -156,8 +160,53 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   if (!file.copyright.empty()) table.row("copyright", file.copyright);
   if (!file.extensions_used.empty()) table.row("extensions", fmt::format("{}", fmt::join(file.extensions_used, " ")));
   if (!file.variants.empty()) list(table, "variants", file.variants);
+  if (!file.extensions_missing.empty()) {
+    table.row("unsupported",
+              fmt::format("{}: required, so the scene cannot be rendered", fmt::join(file.extensions_missing, " ")));
+  }
   if (file.animations > 0) table.row("animations", fmt::format("{}, shown at rest", file.animations));
   if (file.skins > 0) table.row("skins", fmt::format("{}", file.skins));
+}
+
+void describe_content(const Scene& scene, Json& json, Table& table) {
+  const Counts counts = count(scene);
+  json["name"] = scene.name;
+  json["nodes"] = scene.nodes.size();
+  json["meshes"] = scene.meshes.size();
+  json["primitives"] = counts.primitives;
+  json["vertices"] = counts.vertices;
+  json["triangles"] = counts.triangles;
+  json["instances"] = counts.placed_meshes;
+  json["instanced_triangles"] = counts.placed_triangles;
+  json["textures"] = scene.textures.size();
+  if (!scene.name.empty()) table.row("name", scene.name);
+  table.row("nodes", fmt::format("{}, {} with a mesh", scene.nodes.size(), counts.placed_meshes));
+  table.row("meshes", fmt::format("{} of {} primitives", scene.meshes.size(), counts.primitives));
+  table.row("triangles",
+            fmt::format("{}, {} as placed; {} vertices", counts.triangles, counts.placed_triangles, counts.vertices));
+  describe_materials(scene, json, table);
+  describe_images(scene, json, table);
+  describe_cameras_and_lights(scene, json, table);
+}
+
+void describe_bounds(const Scene& scene, Json& json, Table& table) {
+  const Box3 bounds = world_bounds(scene);
+  json["bounds"] = nullptr;
+  if (bounds.empty()) return;
+  json["bounds"] = {{"lower", vec3_json(bounds.lower)}, {"upper", vec3_json(bounds.upper)}};
+  table.row("bounds", vec3_text(bounds.lower) + " to " + vec3_text(bounds.upper) + " m");
+}
+
+/// The scene of a file, or nothing where an extension that it requires and we lack stands in the way.
+std::optional<Scene> look_into(const std::string& name, Diagnostics& diagnostics, io::FileInfo& file) {
+  try {
+    // Sizes are in the images' headers: a big file answers at once.
+    return io::load_gltf(name, diagnostics, {.decode_images = false, .refuse_unknown_required = false}, &file);
+  } catch (const Error& error) {
+    if (file.extensions_missing.empty()) throw;
+    diagnostics.warn("the scene cannot be read: " + error.message(), error.where());
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -179,40 +228,14 @@ Report scene_report(const std::string& name) {
   Diagnostics diagnostics;
   io::FileInfo file;
   const bool built_in = name.starts_with("demo:");
-  // Sizes are in the images' headers: a big file answers at once.
-  const Scene scene = built_in ? load(name) : io::load_gltf(name, diagnostics, {.decode_images = false}, &file);
-  const Counts counts = count(scene);
+  const std::optional<Scene> scene = built_in ? load(name) : look_into(name, diagnostics, file);
 
-  Json json{{"file", name},
-            {"kind", "scene"},
-            {"name", scene.name},
-            {"nodes", scene.nodes.size()},
-            {"meshes", scene.meshes.size()},
-            {"primitives", counts.primitives},
-            {"vertices", counts.vertices},
-            {"triangles", counts.triangles},
-            {"instances", counts.placed_meshes},
-            {"instanced_triangles", counts.placed_triangles},
-            {"textures", scene.textures.size()}};
+  Json json{{"file", name}, {"kind", "scene"}};
   Table table;
   table.row("scene", name);
-  if (!scene.name.empty()) table.row("name", scene.name);
-  table.row("nodes", fmt::format("{}, {} with a mesh", scene.nodes.size(), counts.placed_meshes));
-  table.row("meshes", fmt::format("{} of {} primitives", scene.meshes.size(), counts.primitives));
-  table.row("triangles",
-            fmt::format("{}, {} as placed; {} vertices", counts.triangles, counts.placed_triangles, counts.vertices));
-  describe_materials(scene, json, table);
-  describe_images(scene, json, table);
-  describe_cameras_and_lights(scene, json, table);
-
+  if (scene) describe_content(*scene, json, table);
   if (!built_in) describe_file(file, json, table);
-
-  const Box3 bounds = world_bounds(scene);
-  json["bounds"] = nullptr;
-  if (!bounds.empty()) {
-    json["bounds"] = {{"lower", vec3_json(bounds.lower)}, {"upper", vec3_json(bounds.upper)}};
-    table.row("bounds", vec3_text(bounds.lower) + " to " + vec3_text(bounds.upper) + " m");
-  }
+  if (scene) describe_bounds(*scene, json, table);
   json["warnings"] = Json::array();
   for (const Diagnostic& warning : diagnostics.warnings()) {
     json["warnings"].push_back(warning.text());

@@ -9,6 +9,7 @@
 #include "base/diagnostics.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "candela/candela.h"
 #include "cli/interrupt.h"
@@ -53,6 +54,15 @@ void check_paths(const RenderOptions& o) {
     }
     check_writable(path);
   }
+}
+
+/// A picture that cannot be held is refused here, not by the system in the middle of the work.
+void check_memory(const RenderOptions& o) {
+  std::uint64_t writing = 0;
+  for (const std::string& output : o.outputs)
+    writing = std::max(writing, writing_bytes(output, o.size.x, o.size.y, o.settings.layers));
+  require_memory(path::picture_bytes(o.settings) + writing, available_memory(),
+                 fmt::format("a picture of {}x{}", o.size.x, o.size.y), "--size");
 }
 
 std::string vec3_text(vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
@@ -162,6 +172,7 @@ std::map<std::string, std::string> metadata(const RenderOptions& o, const Job& j
       {"seed", fmt::format("{}", o.settings.seed)},
       {"version", fmt::format("candela {}", version())}};
   if (!o.variant.empty()) result["variant"] = o.variant;
+  if (!o.shading.empty()) result["shading"] = o.shading;
   return result;
 }
 
@@ -174,14 +185,13 @@ class PartialWriter {
     for (const fs::path output : options.outputs) disabled_ |= is_device(output);
   }
 
-  void operator()(const Film& film, double samples_per_pixel) {
+  void operator()(Film film, double samples_per_pixel) {
     constexpr double kShareOfTime = 0.05;
     if (disabled_ || since_last_.seconds() < last_cost_s_ / kShareOfTime) return;
     const Stopwatch cost;
     try {
-      Film copy = film;
-      copy.metadata.merge(metadata(options_, job_, samples_per_pixel));
-      write_outputs({options_.outputs.begin(), options_.outputs.end()}, copy, job_.develop);
+      film.metadata.merge(metadata(options_, job_, samples_per_pixel));
+      write_outputs({options_.outputs.begin(), options_.outputs.end()}, film, job_.develop);
     } catch (const Error& error) {
       disabled_ = true;  // the end may go better; say it once
       progress_.warn({error.message(), error.where()});
@@ -252,7 +262,7 @@ Film trace(const RenderOptions& o, const Job& job, ProgressLine& progress, path:
     samples_per_pixel = p.mean_samples;
     progress.update(p);
   };
-  callbacks.partial = [&](const Film& film) { partial(film, samples_per_pixel); };
+  callbacks.partial = [&](Film film) { partial(std::move(film), samples_per_pixel); };
   callbacks.stop = &Interrupt::requested();
   Film film = render(job.scene, job.environment, job.view, o.settings, &statistics, callbacks);
   if (statistics.samples == 0) throw Error("interrupted before the first sample: no picture", o.scene);
@@ -263,6 +273,7 @@ void run_render(const RenderOptions& o) {
   const Stopwatch total;
   ProgressLine progress(o.quiet);
   check_paths(o);
+  check_memory(o);
   const ThreadLimit threads(o.threads);
 
   progress.phase("loading " + o.scene);

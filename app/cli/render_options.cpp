@@ -99,6 +99,13 @@ void add_sampling(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--integrator", "NAME", o.settings.integrator, parse_integrator,
             "full, or minimal: the same mean by following the material alone [full]")
       ->group(group);
+  const auto shading = [&o](const std::string& text) {
+    o.settings.shading = parse_shading(text);
+    return text;
+  };
+  add_value(verb, "--shading", "MODEL", o.shading, shading,
+            "candela, gltf, ue4, learnopengl, thesis or blinn-phong, and terms: ue4,d=beckmann,diffuse=eon [candela]")
+      ->group(group);
 }
 
 void add_camera(CLI::App* verb, RenderOptions& o) {
@@ -173,7 +180,7 @@ void add_running(CLI::App* verb, RenderOptions& o) {
 std::string footer() {
   std::string text = "Built-in scenes:\n";
   for (const io::DemoInfo& demo : io::demos())
-    text += fmt::format("  {:<16} {}\n", "demo:" + demo.name, demo.description);
+    text += fmt::format("  {:<32} {}\n", "demo:" + demo.name, demo.description);
   return text + R"(
 Examples:
   candela render demo:materials -o materials.png

@@ -22,6 +22,7 @@ struct RenderOptions {
   ivec2 size{1280, 720};
   std::optional<int> samples;
   path::Settings settings;
+  std::string shading;  ///< as given; empty = the default
   std::string engine = "path";
   int threads = 0;
 

@@ -10,6 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
+#include "path/shading_model.h"
+
 namespace candela::cli {
 
 namespace {
@@ -173,6 +176,14 @@ path::Integrator parse_integrator(const std::string& text) {
   using enum path::Integrator;
   return one_of(text,
                 std::array<std::pair<std::string_view, path::Integrator>, 2>{{{"full", full}, {"minimal", minimal}}});
+}
+
+shade::ShadingModel parse_shading(const std::string& text) {
+  try {
+    return path::parse_shading_model(text);
+  } catch (const Error& error) {
+    throw UsageError(error.message());
+  }
 }
 
 std::string parse_engine(const std::string& text) {

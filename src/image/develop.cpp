@@ -257,6 +257,14 @@ void check_output_extension(const std::filesystem::path& path) {
   throw Error("unknown picture extension \"" + extension + "\" (known: .png, .jpg, .jpeg, .hdr, .exr)", path.string());
 }
 
+std::uint64_t writing_bytes(const std::filesystem::path& path, int width, int height, const std::set<Layer>& layers) {
+  const std::string extension = extension_of(path);
+  const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  if (extension == ".exr") return pixels * film_bytes_per_pixel(layers);  // all of it, where noise does not compress
+  if (extension == ".hdr") return pixels * 12;  // four bytes, and as many once more and double while the text grows
+  return pixels * 16;                           // the display image's four, and the meter's twelve or the file's
+}
+
 void write_film(const std::filesystem::path& path, const Film& film, const DevelopSettings& settings) {
   check_output_extension(path);
   const std::string extension = extension_of(path);

@@ -47,6 +47,8 @@ void write_jpeg(const std::filesystem::path& path, const DisplayImage& image);
 
 /// Writes `film` in the format that the extension names (.png .jpg .jpeg .hdr .exr); .hdr and .exr stay linear.
 void write_film(const std::filesystem::path& path, const Film& film, const DevelopSettings& settings);
+/// Most bytes that write_film takes beside a film of this size with these layers.
+std::uint64_t writing_bytes(const std::filesystem::path& path, int width, int height, const std::set<Layer>& layers);
 /// Throws Error unless `path` ends in an extension that write_film knows; to be called before hours of rendering.
 void check_output_extension(const std::filesystem::path& path);
 

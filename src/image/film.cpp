@@ -33,4 +33,10 @@ Layer parse_layer(std::string_view name) {
   throw Error("unknown layer \"" + std::string(name) + "\" (known: " + known + ")");
 }
 
+std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers) {
+  std::uint64_t floats = 4;  // of the picture
+  for (const Layer layer : layers) floats += layer == Layer::depth || layer == Layer::object_id ? 1 : 3;
+  return floats * sizeof(float);
+}
+
 }  // namespace candela

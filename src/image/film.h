@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,7 +36,10 @@ struct Film {
   int height() const { return beauty.height; }
 };
 
-/// Writes 32-bit float EXR, ZIP compressed: R,G,B,A of the beauty, and each layer as `name.R` … (`depth.Z`, `id.Y`).
+/// Of the pixels of a film with these layers, the picture included.
+std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers);
+
+/// Writes 32-bit float EXR, compressed without loss: R,G,B,A of the beauty, and each layer as `name.R` … (`depth.Z`, `id.Y`).
 /// The alpha channel is left out when every pixel is opaque. Throws Error where the path cannot be written.
 void write_exr(const std::filesystem::path& path, const Film& film);
 

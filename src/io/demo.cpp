@@ -26,7 +26,8 @@ TextureSlot SceneBuilder::texture(const std::string& name, TexturePointer image,
 
 int SceneBuilder::mesh(const std::string& name, Primitive primitive, int material) {
   primitive.material = material;
-  if (!scene_.materials[static_cast<std::size_t>(material)].normal_texture) primitive.tangents.clear();
+  const Material& wears = scene_.materials[static_cast<std::size_t>(material)];
+  if (!wears.normal_texture && wears.anisotropy <= 0.0f) primitive.tangents.clear();
   scene_.meshes.push_back({.name = name, .primitives = {}});
   scene_.meshes.back().primitives.push_back(std::move(primitive));
   return static_cast<int>(scene_.meshes.size()) - 1;
@@ -202,11 +203,15 @@ Scene make_cornell() {
 }
 
 const std::vector<DemoInfo>& demos() {
-  static const std::vector<DemoInfo> list{
-      {"materials", "a still life of shader balls: metals, ceramics, wood, textures, a lamp, depth of field"},
-      {"spheres", "roughness from 0 to 1 by material: ivory, cobalt, gold, iron"},
-      {"cornell", "the Cornell box, lit by its ceiling lamp alone"},
-      {"furnace", "white spheres in white light: a renderer that keeps energy shows nothing"}};
+  static const std::vector<DemoInfo> list = [] {
+    std::vector<DemoInfo> all{
+        {"materials", "a still life of shader balls: metals, ceramics, wood, textures, a lamp, depth of field"},
+        {"spheres", "roughness from 0 to 1 by material: ivory, cobalt, gold, iron"},
+        {"cornell", "the Cornell box, lit by its ceiling lamp alone"},
+        {"furnace", "white spheres in white light: a renderer that keeps energy shows nothing"}};
+    for (DemoInfo& row : row_demos()) all.push_back(std::move(row));
+    return all;
+  }();
   return list;
 }
 
@@ -215,6 +220,7 @@ Scene make_demo(const std::string& name) {
   if (name == "materials") return make_materials();
   if (name == "cornell") return make_cornell();
   if (name == "furnace") return make_furnace();
+  if (std::optional<Scene> row = make_row(name)) return *std::move(row);
   std::string known;
   for (const DemoInfo& demo : demos()) known += (known.empty() ? "" : ", ") + demo.name;
   throw Error("no built-in scene \"" + name + "\"; there are " + known);

@@ -7,7 +7,8 @@
 
 namespace candela::io {
 
-/// A scene made by code: "spheres", "materials", "cornell", "furnace". Throws Error naming the known ones.
+/// A scene made by code: "spheres", "materials", "cornell", "furnace", or a row of balls, "row-…". Throws Error naming
+/// the known ones.
 Scene make_demo(const std::string& name);
 
 struct DemoInfo {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "io/demo.h"
 #include "io/patterns.h"
 #include "io/shapes.h"
 #include "scene/scene.h"
@@ -13,6 +16,9 @@ Scene make_spheres();
 Scene make_materials();
 Scene make_cornell();
 Scene make_furnace();
+/// A row of balls by its name, "row-…"; none = no such row.
+std::optional<Scene> make_row(const std::string& name);
+std::vector<DemoInfo> row_demos();
 
 /// Puts a scene together part by part.
 class SceneBuilder {
@@ -21,7 +27,7 @@ class SceneBuilder {
 
   int material(Material material);
   TextureSlot texture(const std::string& name, TexturePointer image, vec2 repeat = vec2(1.0f));
-  /// Tangents are kept only where the material has a normal texture.
+  /// Tangents are kept only where the material needs them: with a normal texture or anisotropy.
   int mesh(const std::string& name, Primitive primitive, int material);
   int node(const std::string& name, int mesh, const mat4& parent_from_node = mat4(1.0f), int parent = -1);
   /// A camera node at `eye` looking at `target`, both in the parent's space; sharp at `focus`.

@@ -10,6 +10,7 @@
 #include <exception>
 #include <iterator>
 #include <map>
+#include <span>
 #include <tuple>
 
 #include "base/file.h"
@@ -49,11 +50,14 @@ constexpr auto kSupported = std::to_array<std::string_view>({
 });
 /// Describe the asset and change no pixel.
 constexpr auto kMetadata = std::to_array<std::string_view>({"KHR_xmp", "KHR_xmp_json_ld"});
+/// Without them the numbers of the geometry are not in the file.
+constexpr std::array<std::string_view, 3> kStorage{"EXT_meshopt_compression", "KHR_draco_mesh_compression",
+                                                   "KHR_meshopt_compression"};
 
-bool is_known(std::string_view name) {
-  const auto in = [&](const auto& list) { return std::find(list.begin(), list.end(), name) != list.end(); };
-  return in(kSupported) || in(kMetadata);
+bool is_in(std::span<const std::string_view> list, std::string_view name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
 }
+bool is_known(std::string_view name) { return is_in(kSupported, name) || is_in(kMetadata, name); }
 
 std::vector<std::string> read_names(const JsonView& root, const char* key) {
   std::vector<std::string> result;
@@ -97,8 +101,12 @@ FileInfo read_info(const JsonView& root, std::size_t file_bytes) {
   info.copyright = asset->string_or("copyright");
   info.extensions_used = read_names(root, "extensionsUsed");
   info.extensions_required = read_names(root, "extensionsRequired");
-  std::copy_if(info.extensions_used.begin(), info.extensions_used.end(), std::back_inserter(info.extensions_ignored),
-               [](const std::string& name) { return !is_known(name); });
+  const auto copy_unknown = [](const std::vector<std::string>& names, std::vector<std::string>& unknown) {
+    std::copy_if(names.begin(), names.end(), std::back_inserter(unknown),
+                 [](const std::string& name) { return !is_known(name); });
+  };
+  copy_unknown(info.extensions_used, info.extensions_ignored);
+  copy_unknown(info.extensions_required, info.extensions_missing);
   info.variants = read_variants(root);
   info.animations = static_cast<int>(count_of(root, "animations"));
   info.skins = static_cast<int>(count_of(root, "skins"));
@@ -106,13 +114,16 @@ FileInfo read_info(const JsonView& root, std::size_t file_bytes) {
   return info;
 }
 
-void check_extensions(const JsonView& root, const FileInfo& info, Warnings& warnings) {
-  for (const std::string& name : info.extensions_required) {
-    if (!is_known(name)) {
-      throw root.at("extensionsRequired").error(fmt::format("the file requires {}, which is not supported", name));
-    }
+void check_extensions(const JsonView& root, const FileInfo& info, bool refuse_unknown, Warnings& warnings) {
+  for (const std::string& name : info.extensions_missing) {
+    const JsonView list = root.at("extensionsRequired");
+    const std::string message = fmt::format("the file requires {}, which is not supported", name);
+    if (refuse_unknown || is_in(kStorage, name)) throw list.error(message);
+    warnings.warn(message, list);
   }
   for (const std::string& name : info.extensions_ignored) {
+    const auto& missing = info.extensions_missing;
+    if (std::find(missing.begin(), missing.end(), name) != missing.end()) continue;
     warnings.warn(fmt::format("{} is not supported and will be ignored", name), root.at("extensionsUsed"));
   }
   if (info.animations > 0) warnings.warn("animations are not supported yet: bind pose shown", root.at("animations"));
@@ -357,7 +368,7 @@ void Loader::place_nodes() {
 }
 
 Scene Loader::load(const FileInfo& info) {
-  check_extensions(root_, info, warnings_);
+  check_extensions(root_, info, options_.refuse_unknown_required, warnings_);
   variant_ = find_variant(root_, info, options_.variant);
   file_ = read_nodes(root_, warnings_);
   scene_.name = file_.name;

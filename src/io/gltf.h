@@ -17,6 +17,9 @@ struct LoadOptions {
   /// Name of the KHR_materials_variants variant to wear; empty = the materials that the primitives name themselves. A
   /// name that the file has not is an Error that lists those it has.
   std::string variant = {};
+  /// False: an unknown required extension is a warning, to look into files that cannot be rendered. One that says how
+  /// the geometry is stored stays an Error.
+  bool refuse_unknown_required = true;
 };
 
 /// What a file says about itself and the scene does not keep.
@@ -28,6 +31,7 @@ struct FileInfo {
   std::vector<std::string> extensions_required;
   std::vector<std::string> extensions_ignored;  ///< used, but not supported
   std::vector<std::string> variants;            ///< names of KHR_materials_variants
+  std::vector<std::string> extensions_missing;  ///< required, but not supported
   int animations = 0;
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself

@@ -8,7 +8,6 @@
 
 #include "io/ies.h"
 #include "math/spectrum.h"
-#include "shade/units.glsl.h"
 
 namespace candela::io {
 
@@ -138,20 +137,12 @@ void LightReader::read_falloff(const JsonView& extras, const std::string& title,
 
 void LightReader::set_lumens(const JsonView& extras, const std::string& title, Light& light) {
   const float lumens = within(extras, "lumens", 0.0f, 0.0f, std::numeric_limits<float>::max(), title, warnings_);
-  if (light.ies >= 0) {
-    const auto flux = static_cast<float>(ies_flux(scene_.ies_profiles[static_cast<std::size_t>(light.ies)]));
-    const float factor = lumens / flux;
-    if (!std::isfinite(factor)) {
-      warnings_.warn(title + "its profile is dark and cannot be brought to the lumens asked for", extras);
-      return;
-    }
-    light.intensity = factor;
-  } else if (light.type == LightType::spot) {
-    light.intensity =
-        shade::units_candela_from_spot_lumens(lumens, std::cos(light.inner_cone), std::cos(light.outer_cone));
-  } else {
-    light.intensity = shade::units_candela_from_point_lumens(lumens);
+  const float intensity = intensity_from_lumens(scene_, light, lumens);
+  if (!std::isfinite(intensity)) {
+    warnings_.warn(title + "its profile is dark and cannot be brought to the lumens asked for", extras);
+    return;
   }
+  light.intensity = intensity;
 }
 
 int LightReader::add_ies(const IesUse& use) {

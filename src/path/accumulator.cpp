@@ -12,6 +12,10 @@ Accumulator::Accumulator(const Settings& settings) : width_(settings.width), hei
   if (settings.layers.contains(Layer::normal)) normal_.resize(n, vec3(0.0f));
 }
 
+std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
+  return sizeof(Pixel) + sizeof(vec3) * (settings.layers.count(Layer::albedo) + settings.layers.count(Layer::normal));
+}
+
 bool Accumulator::add(int x, int y, const PathSample& sample) {
   if (!is_finite(sample.radiance)) return false;
   const std::size_t i = index(x, y);

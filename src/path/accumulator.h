@@ -13,6 +13,8 @@ class Accumulator {
  public:
   explicit Accumulator(const Settings& settings);
 
+  static std::uint64_t bytes_per_pixel(const Settings& settings);
+
   /// Adds a sample; false when it is not finite, and then it is left out.
   bool add(int x, int y, const PathSample& sample);
 

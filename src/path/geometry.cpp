@@ -5,6 +5,8 @@
 #include "base/error.h"
 #include "math/hash.h"
 #include "path/embree.h"
+#include "path/surface_point.h"
+#include "shade/surface.glsl.h"
 
 namespace candela::path {
 
@@ -14,7 +16,9 @@ namespace {
 struct QueryContext {
   RayContext base;
   const std::uint32_t* seeds = nullptr;  ///< per ray id; null for shadow rays
-  float transmittance = 1.0f;            ///< of a shadow ray so far
+  const Geometry* geometry = nullptr;    ///< of a shadow ray, as the rest
+  vec3 direction{0.0f};
+  vec3 transmittance{1.0f};  ///< so far
 };
 
 float hit_opacity(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
@@ -44,11 +48,21 @@ void filter_closest(const RTCFilterFunctionNArguments* arguments) {
 /// Any hit: multiply up what passes, go on until something is opaque.
 void filter_shadow(const RTCFilterFunctionNArguments* arguments) {
   auto& context = *reinterpret_cast<QueryContext*>(arguments->context);
+  const auto& mesh = *static_cast<const MeshData*>(arguments->geometryUserPtr);
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] == 0) continue;
     const float opacity = hit_opacity(arguments, i);
-    if (opacity >= 1.0f) continue;
-    context.transmittance *= 1.0f - opacity;
+    vec3 passing(1.0f - opacity);
+    if (opacity > 0.0f && mesh.material->is_clear_sheet) {
+      const Hit hit = context.geometry->hit(
+          RTCHitN_instID(arguments->hit, arguments->N, i, 0), RTCHitN_geomID(arguments->hit, arguments->N, i),
+          RTCHitN_primID(arguments->hit, arguments->N, i), RTCHitN_u(arguments->hit, arguments->N, i),
+          RTCHitN_v(arguments->hit, arguments->N, i));
+      const SurfacePoint point = make_surface_point(*context.geometry, hit, context.direction);
+      if (!point.is_unlit) passing += opacity * shade::surface_straight(point.surface, point.wo);
+    }
+    if (max_component(passing) <= 0.0f) continue;
+    context.transmittance *= passing;
     arguments->valid[i] = 0;
   }
 }
@@ -60,8 +74,8 @@ GeometryHandle make_triangles(RTCDevice device, MeshData& mesh) {
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                              sizeof(uvec3), mesh.triangles.size());
   rtcSetGeometryUserData(geometry.get(), &mesh);
-  if (mesh.material->needs_opacity) {
-    rtcSetGeometryIntersectFilterFunction(geometry.get(), filter_closest);
+  if (mesh.material->needs_opacity) rtcSetGeometryIntersectFilterFunction(geometry.get(), filter_closest);
+  if (mesh.material->needs_opacity || mesh.material->is_clear_sheet) {
     rtcSetGeometryOccludedFilterFunction(geometry.get(), filter_shadow);
   }
   rtcCommitGeometry(geometry.get());
@@ -73,7 +87,7 @@ std::unique_ptr<MeshData> make_mesh(const Primitive& primitive, const MaterialDa
   auto mesh = std::make_unique<MeshData>();
   mesh->material = &material;
   mesh->triangles = primitive.triangles;
-  mesh->tangents = material.normal ? primitive.tangents : std::vector<vec4>{};
+  mesh->tangents = material.needs_tangents ? primitive.tangents : std::vector<vec4>{};
   mesh->uv1 = primitive.uvs[1];
   mesh->colors = primitive.colors;
   mesh->vertices.resize(primitive.positions.size());
@@ -125,16 +139,96 @@ bool can_instance(const mat4& world_from_object) {
 
 }  // namespace
 
-MaterialData::MaterialData(const Scene& scene, const Material& material)
+namespace {
+
+/// The material's factors and the bits of what it uses.
+shade::SurfaceParams make_params(const Material& m, const shade::ShadingModel& model) {
+  shade::SurfaceParams p = shade::surface_params_default();
+  p.base_color = m.base_color;
+  p.metallic = m.metallic;
+  p.roughness = m.roughness;
+  p.ior = m.ior;
+  p.specular = m.specular;
+  p.specular_color = m.specular_color;
+  p.model = model;
+  const auto add = [&p](bool is_used, int lobe) { p.lobes |= is_used ? lobe : 0; };
+  add(!shade::shading_model_is_default(model), shade::kLobeModel);
+  add(m.anisotropy > 0.0f, shade::kLobeAnisotropy);
+  add(m.iridescence > 0.0f, shade::kLobeIridescence);
+  add(m.is_conductor(), shade::kLobeConductor);
+  add(m.transmission > 0.0f, shade::kLobeTransmission);
+  add(m.diffuse_transmission > 0.0f, shade::kLobeDiffuseTransmission);
+  add(max_component(m.sheen_color) > 0.0f, shade::kLobeSheen);
+  add(m.clearcoat > 0.0f, shade::kLobeClearcoat);
+  p.anisotropy = m.anisotropy;
+  p.iridescence = m.iridescence;
+  p.film_ior = m.iridescence_ior;
+  p.film_nm = m.iridescence_thickness_max_nm;
+  p.conductor_n = m.conductor_n;
+  p.conductor_k = m.conductor_k;
+  p.transmission = m.transmission;
+  p.is_thin = !m.has_volume();
+  p.eta = m.ior;
+  p.diffuse_transmission = m.diffuse_transmission;
+  p.diffuse_transmission_color = m.diffuse_transmission_color;
+  p.sheen_color = m.sheen_color;
+  p.sheen_roughness = m.sheen_roughness;
+  p.clearcoat = m.clearcoat;
+  p.clearcoat_roughness = m.clearcoat_roughness;
+  return p;
+}
+
+Medium make_medium(const Material& m) {
+  Medium medium;
+  medium.ior = std::max(m.ior, 1.0f);
+  medium.dispersion = m.dispersion;
+  if (m.attenuation_distance < kInfinity) {
+    medium.extinction = glm::max(-glm::log(glm::max(m.attenuation_color, vec3(1e-30f))), vec3(0.0f)) /
+                        glm::max(m.attenuation_distance, 1e-9f);
+    medium.extinction = glm::min(medium.extinction, vec3(1e9f));
+  }
+  medium.anisotropy = glm::clamp(m.scatter_anisotropy, -0.99f, 0.99f);
+  if (max_component(m.multiscatter_color) > 0.0f) {
+    medium.albedo = single_scatter_albedo(m.multiscatter_color, medium.anisotropy);
+  }
+  medium.absorbs = max_component(medium.extinction) > 0.0f;
+  medium.scatters = medium.absorbs && max_component(medium.albedo) > 0.0f;
+  return medium;
+}
+
+}  // namespace
+
+MaterialData::MaterialData(const Scene& scene, const Material& material, const shade::ShadingModel& model)
     : factors(material),
+      params(make_params(material, model)),
       base_color(scene, material.base_color_texture, Encoding::srgb),
       metallic_roughness(scene, material.metallic_roughness_texture, Encoding::data),
       normal(scene, material.normal_texture, Encoding::data),
       emissive(scene, material.emissive_texture, Encoding::srgb),
       specular(scene, material.specular_texture, Encoding::data),
-      specular_color(scene, material.specular_color_texture, Encoding::srgb) {
+      specular_color(scene, material.specular_color_texture, Encoding::srgb),
+      specular_glossiness(scene, material.specular_glossiness_texture, Encoding::srgb),
+      clearcoat(scene, material.clearcoat_texture, Encoding::data),
+      clearcoat_roughness(scene, material.clearcoat_roughness_texture, Encoding::data),
+      clearcoat_normal(scene, material.clearcoat_normal_texture, Encoding::data),
+      sheen_color(scene, material.sheen_color_texture, Encoding::srgb),
+      sheen_roughness(scene, material.sheen_roughness_texture, Encoding::data),
+      anisotropy(scene, material.anisotropy_texture, Encoding::data),
+      iridescence(scene, material.iridescence_texture, Encoding::data),
+      iridescence_thickness(scene, material.iridescence_thickness_texture, Encoding::data),
+      transmission(scene, material.transmission_texture, Encoding::data),
+      diffuse_transmission(scene, material.diffuse_transmission_texture, Encoding::data),
+      diffuse_transmission_color(scene, material.diffuse_transmission_color_texture, Encoding::srgb),
+      medium(make_medium(material)) {
   needs_opacity = material.alpha_mode != AlphaMode::opaque;
   is_emissive = max_component(material.emission) > 0.0f && !material.unlit;
+  const bool lets_through = (params.lobes & (shade::kLobeTransmission | shade::kLobeDiffuseTransmission)) != 0;
+  has_medium = lets_through && material.has_volume() && !material.unlit;
+  const bool may_be_smooth = metallic_roughness || specular_glossiness ||
+                             shade::roughness_to_alpha(material.roughness) < shade::kGgxMirrorAlpha;
+  is_clear_sheet = (params.lobes & shade::kLobeTransmission) != 0 && !material.has_volume() && !material.unlit &&
+                   may_be_smooth && material.metallic < 1.0f + (metallic_roughness ? 1.0f : 0.0f);
+  needs_tangents = normal || clearcoat_normal || material.anisotropy > 0.0f;
 }
 
 vec2 MeshData::uv(const uvec3& t, vec3 b, int set) const {
@@ -177,14 +271,17 @@ struct Geometry::Impl {
   }
 };
 
-Geometry::Geometry(const Scene& scene) : impl_(std::make_unique<Impl>()) {
+Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_(std::make_unique<Impl>()) {
   impl_->device.reset(rtcNewDevice(nullptr));
   if (!impl_->device) throw Error("cannot start Embree");
   impl_->scene.reset(rtcNewScene(impl_->device.get()));
   rtcSetSceneBuildQuality(impl_->scene.get(), RTC_BUILD_QUALITY_MEDIUM);
 
   materials_.reserve(scene.materials.size());
-  for (const Material& material : scene.materials) materials_.emplace_back(scene, material);
+  for (const Material& material : scene.materials) {
+    materials_.emplace_back(scene, material, model);
+    has_media_ = has_media_ || materials_.back().has_medium;
+  }
 
   std::map<int, int> uses;
   for (const Node& node : scene.nodes) {
@@ -282,14 +379,19 @@ Hit Geometry::intersect(const Ray& ray, std::uint32_t seed) const {
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   intersect_1(impl_->scene.get(), context.base, query);
 
-  Hit hit;
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
-  hit.placement = impl_->placement(query.hit.instID[0], query.hit.geomID);
-  hit.triangle = query.hit.primID;
-  hit.t = query.ray.tfar;
-  hit.u = query.hit.u;
-  hit.v = query.hit.v;
-  return hit;
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  Hit found = hit(query.hit.instID[0], query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v);
+  found.t = query.ray.tfar;
+  return found;
+}
+
+Hit Geometry::hit(unsigned instance, unsigned geometry, unsigned triangle, float u, float v) const {
+  Hit result;
+  result.placement = impl_->placement(instance, geometry);
+  result.triangle = triangle;
+  result.u = u;
+  result.v = v;
+  return result;
 }
 
 void Geometry::intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize]) const {
@@ -325,17 +427,16 @@ void Geometry::intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize])
   for (int i = 0; i < RayPacket::kSize; ++i) {
     hits[i] = {};
     if (valid[i] == 0 || query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    hits[i].placement = impl_->placement(query.hit.instID[0][i], query.hit.geomID[i]);
-    hits[i].triangle = query.hit.primID[i];
+    hits[i] = hit(query.hit.instID[0][i], query.hit.geomID[i], query.hit.primID[i], query.hit.u[i], query.hit.v[i]);
     hits[i].t = query.ray.tfar[i];
-    hits[i].u = query.hit.u[i];
-    hits[i].v = query.hit.v[i];
   }
 }
 
-float Geometry::transmittance(const Ray& ray) const {
+vec3 Geometry::transmittance(const Ray& ray) const {
   QueryContext context;
   init_context(context.base);
+  context.geometry = this;
+  context.direction = ray.direction;
   RTCRay query;
   query.org_x = ray.origin.x;
   query.org_y = ray.origin.y;
@@ -350,7 +451,7 @@ float Geometry::transmittance(const Ray& ray) const {
   query.id = 0;
   query.flags = 0;
   occluded_1(impl_->scene.get(), context.base, query);
-  return query.tfar < 0.0f ? 0.0f : context.transmittance;
+  return query.tfar < 0.0f ? vec3(0.0f) : context.transmittance;
 }
 
 TrianglePositions triangle_positions(const Placement& placement, std::uint32_t triangle) {

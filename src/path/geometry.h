@@ -4,19 +4,28 @@
 #include <memory>
 #include <vector>
 
+#include "path/medium.h"
 #include "path/texture.h"
 #include "scene/scene.h"
+#include "shade/surface_params.glsl.h"
 
 namespace candela::path {
 
 /// A material with its textures resolved.
 struct MaterialData {
   Material factors;
-  TextureReader base_color, metallic_roughness, normal, emissive, specular, specular_color;
-  bool needs_opacity = false;  ///< mask or blend that can let light through
+  shade::SurfaceParams params;  ///< the factors, as the surface takes them
+  TextureReader base_color, metallic_roughness, normal, emissive, specular, specular_color, specular_glossiness;
+  TextureReader clearcoat, clearcoat_roughness, clearcoat_normal, sheen_color, sheen_roughness, anisotropy;
+  TextureReader iridescence, iridescence_thickness, transmission, diffuse_transmission, diffuse_transmission_color;
+  Medium medium;
+  bool needs_opacity = false;   ///< mask or blend that can let light through
+  bool is_clear_sheet = false;  ///< may let shadow rays straight through
+  bool has_medium = false;      ///< bounds a body that light can enter
+  bool needs_tangents = false;
   bool is_emissive = false;
 
-  MaterialData(const Scene& scene, const Material& material);
+  MaterialData(const Scene& scene, const Material& material, const shade::ShadingModel& model);
 };
 
 /// What a bounce reads of a vertex, packed so that it costs one cache line.
@@ -79,7 +88,7 @@ struct RayPacket {
 /// Everything that rays can hit: Embree's tree, and the data to shade a hit. Meshes used by many nodes are stored once.
 class Geometry {
  public:
-  explicit Geometry(const Scene& scene);
+  explicit Geometry(const Scene& scene, const shade::ShadingModel& model = shade::shading_model_candela());
   ~Geometry();
   Geometry(const Geometry&) = delete;
   Geometry& operator=(const Geometry&) = delete;
@@ -88,13 +97,19 @@ class Geometry {
   Hit intersect(const Ray& ray, std::uint32_t seed) const;
   void intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize]) const;
 
-  /// Fraction of light that passes along the segment: 0, 1, or the product of 1 - opacity of blended surfaces.
-  float transmittance(const Ray& ray) const;
+  /// A hit by Embree's numbers, without its distance.
+  Hit hit(unsigned instance, unsigned geometry, unsigned triangle, float u, float v) const;
+
+  /// Fraction of light that passes along the segment: 0, 1, or the product of 1 - opacity of blended surfaces and of
+  /// what smooth sheets let straight through.
+  vec3 transmittance(const Ray& ray) const;
 
   const Placement& placement(int index) const { return placements_[static_cast<std::size_t>(index)]; }
   std::vector<Placement>& placements() { return placements_; }
   const std::vector<Placement>& placements() const { return placements_; }
   const Box3& bounds() const { return bounds_; }
+  /// Whether light can enter bodies.
+  bool has_media() const { return has_media_; }
   std::uint64_t triangle_count() const { return triangle_count_; }
   std::uint64_t instance_count() const { return instance_count_; }
 
@@ -105,6 +120,7 @@ class Geometry {
   std::vector<std::unique_ptr<MeshData>> meshes_;
   std::vector<Placement> placements_;
   Box3 bounds_;
+  bool has_media_ = false;
   std::uint64_t triangle_count_ = 0;
   std::uint64_t instance_count_ = 0;
 };

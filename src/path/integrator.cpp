@@ -3,10 +3,13 @@
 #include <algorithm>
 
 #include "path/surface_point.h"
+#include "path/walk.h"
 
 namespace candela::path {
 
 namespace {
+
+constexpr int kMostPassed = 64;  // surfaces in a row that do not turn light
 
 PathSample background_sample(const PathContext& context, vec3 direction) {
   PathSample sample;
@@ -27,11 +30,16 @@ void record_first_surface(const SurfacePoint& point, PathSample& sample) {
 }
 
 /// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance.
-vec3 direct_light(const PathContext& context, const SurfacePoint& point, const LightChances& chances, float u_choice,
-                  vec2 u, RayCounts& counts) {
+template <bool kHasMedia>
+vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& crossing, const SurfacePoint& point,
+                  const LightChances& chances, float u_choice, vec2 u, RayCounts& counts) {
   const LightSample light = context.lights.sample(point.position, chances, u_choice, u);
-  if (light.pdf <= 0.0f || !point.is_outside(light.direction)) return vec3(0.0f);
-  const shade::SurfaceEval f = shade::surface_eval(point.surface, point.wo, point.frame.to_local(light.direction));
+  if (light.pdf <= 0.0f) return vec3(0.0f);
+  const bool is_outside = point.is_outside(light.direction);
+  if (!is_outside && !shade::surface_scatters_through(point.surface)) return vec3(0.0f);
+  const vec3 wi = point.frame.to_local(light.direction);
+  if ((wi.z > 0.0f) != is_outside) return vec3(0.0f);
+  const shade::SurfaceEval f = shade::surface_eval(point.surface, point.wo, wi);
   if (max_component(f.value) <= 0.0f) return vec3(0.0f);
 
   Ray shadow;
@@ -45,19 +53,20 @@ vec3 direct_light(const PathContext& context, const SurfacePoint& point, const L
     shadow.t_max = distance * (1.0f - 1e-6f);
   }
   ++counts.shadow;
-  const float transmittance = context.geometry.transmittance(shadow);
+  vec3 transmittance = context.geometry.transmittance(shadow);
+  if constexpr (kHasMedia) transmittance *= walk.transmittance(crossing, !is_outside, light.distance);
   const float weight = light.is_delta ? 1.0f : mis_weight(light.pdf, f.pdf, light.mis_power);
-  return f.value * context.lights.radiance(light) * (transmittance * weight / light.pdf);
+  return f.value * context.lights.radiance(light) * transmittance * (weight / light.pdf);
 }
 
-/// Weight of emission met by chance against having chosen that triangle as the lamp. `bsdf_pdf` ≤ 0: nothing else
-/// could.
+/// Weight of emission met by chance, in a direction drawn at `origin`, against having chosen that triangle as the lamp.
+/// `bsdf_pdf` ≤ 0: nothing else could.
 float emission_weight(const PathContext& context, const Hit& hit, const SurfacePoint& point, const Ray& ray,
-                      float bsdf_pdf, const LightChances& chances) {
+                      vec3 origin, float bsdf_pdf, const LightChances& chances) {
   const int first = context.geometry.placement(hit.placement).first_light;
   if (bsdf_pdf <= 0.0f || first < 0) return 1.0f;
   const float cos_light = -glm::dot(ray.direction, point.geometric_normal);
-  const float distance = glm::length(point.position - ray.origin);
+  const float distance = glm::length(point.position - origin);
   const float pdf = context.lights.triangle_pdf(first + static_cast<int>(hit.triangle), chances, distance, cos_light);
   return mis_weight(bsdf_pdf, pdf, kAreaMisPower);
 }
@@ -74,21 +83,27 @@ Hit first_visible_hit(const PathContext& context, Ray& ray, Hit hit, SobolSample
   return hit;
 }
 
-PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
-  hit = first_visible_hit(context, ray, hit, sampler, counts);
-  if (!hit) return background_sample(context, ray.direction);
+namespace {
 
+template <bool kHasMedia>
+PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
   PathSample sample;
-  vec3 throughput(1.0f);
-  float bsdf_pdf = 0.0f;            // of the direction that led here; 0 after the camera and after mirrors
-  LightChances chances;             // of the lights at the vertex before
+  Walk walk;
+  // What the direction that led here was drawn with: 0 after the camera, after mirrors, and in scattering bodies.
+  float bsdf_pdf = 0.0f;
+  LightChances chances;             // of the lights at the vertex where it was drawn
+  vec3 drawn_at = ray.origin;       // and where that was: sheets of glass passed on the way do not count
   EnvironmentLight::Footprint sky;  // what the current ray would see of the map
+  float u_wavelength = 0.0f;
+  if constexpr (kHasMedia) u_wavelength = sampler.next_1d();
+  bool is_first = true;
+  int passed = 0;
   for (int depth = 0;; ++depth) {
     // ----- the ray left the scene
     if (!hit) {
-      sample.radiance += throughput * (bsdf_pdf > 0.0f && context.lights.can_sample()
-                                           ? context.lights.escaped_radiance(ray.direction, sky, bsdf_pdf, chances)
-                                           : context.lights.escaped_radiance(ray.direction, sky));
+      sample.radiance += walk.throughput * (bsdf_pdf > 0.0f && context.lights.can_sample()
+                                                ? context.lights.escaped_radiance(ray.direction, sky, bsdf_pdf, chances)
+                                                : context.lights.escaped_radiance(ray.direction, sky));
       break;
     }
 
@@ -98,34 +113,65 @@ PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler
     const vec2 u_direction = sampler.next_2d();
     context.lights.prefetch(u_light);
 
+    // ----- the boundary of a body?
+    Crossing crossing;
+    if constexpr (kHasMedia) crossing = walk.find_crossing(context, hit, ray.direction, u_wavelength);
+
     // ----- x_depth: emitted light
-    const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction);
-    if (depth == 0) record_first_surface(point, sample);
-    if (max_component(point.emission) > 0.0f) {
-      const float weight = point.is_unlit ? 1.0f : emission_weight(context, hit, point, ray, bsdf_pdf, chances);
-      sample.radiance += throughput * point.emission * weight;
+    const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, crossing.eta);
+    if (is_first) record_first_surface(point, sample);
+    is_first = false;
+    vec3 direction = ray.direction;
+    bool is_straight = crossing.is_hidden;
+    if (!crossing.is_hidden) {
+      if (max_component(point.emission) > 0.0f) {
+        const float weight =
+            point.is_unlit ? 1.0f : emission_weight(context, hit, point, ray, drawn_at, bsdf_pdf, chances);
+        sample.radiance += walk.throughput * point.emission * weight;
+      }
+      if (point.is_unlit || depth == context.bounces) break;
+
+      // ----- the next direction, by the material
+      const shade::SurfaceSample next =
+          shade::surface_sample(point.surface, point.wo, {u_direction.x, u_direction.y, choices.y});
+      is_straight = next.is_straight;
+
+      // ----- next-event estimation: reflected light that comes straight from a lamp. What goes straight through a
+      // sheet belongs to the vertex before, whose shadow rays pass the sheet too.
+      LightChances here;
+      if (context.lights.can_sample() && !shade::surface_is_delta(point.surface)) {
+        LightChances& target = is_straight ? here : chances;
+        context.lights.find_chances(point.position, target);
+        sample.radiance += walk.throughput *
+                           direct_light<kHasMedia>(context, walk, crossing, point, target, choices.x, u_light, counts);
+      }
+      if (max_component(next.weight) <= 0.0f) break;
+      walk.throughput *= next.weight;
+      if (!is_straight) {
+        direction = point.frame.to_world(next.wi);
+        const bool is_through = next.wi.z < 0.0f;
+        if (point.is_outside(direction) == is_through) break;
+        if constexpr (kHasMedia) {
+          if (is_through) walk.cross(crossing);
+        }
+        bsdf_pdf = next.is_delta ? 0.0f : next.pdf;
+        drawn_at = point.ray_origin(direction);
+
+        // ----- Russian roulette: paths that carry little end early, the survivors stand for them
+        if (depth >= 2) {
+          const float survival = std::min(max_component(walk.throughput) * walk.eta_scale, 0.95f);
+          if (unit_float(sampler.next_hash()) >= survival) break;
+          walk.throughput /= survival;
+        }
+      }
     }
-    if (point.is_unlit || depth == context.bounces) break;
-
-    // ----- next-event estimation: reflected light that comes straight from a lamp
-    if (context.lights.can_sample() && !shade::surface_is_delta(point.surface)) {
-      context.lights.find_chances(point.position, chances);
-      sample.radiance += throughput * direct_light(context, point, chances, choices.x, u_light, counts);
-    }
-
-    // ----- the next direction, by the material
-    const shade::SurfaceSample next =
-        shade::surface_sample(point.surface, point.wo, {u_direction.x, u_direction.y, choices.y});
-    const vec3 direction = point.frame.to_world(next.wi);
-    if (max_component(next.weight) <= 0.0f || !point.is_outside(direction)) break;
-    throughput *= next.weight;
-    bsdf_pdf = next.is_delta ? 0.0f : next.pdf;
-
-    // ----- Russian roulette: paths that carry little end early, the survivors stand for them
-    if (depth >= 2) {
-      const float survival = std::min(max_component(throughput), 0.95f);
-      if (unit_float(sampler.next_hash()) >= survival) break;
-      throughput /= survival;
+    if (is_straight) {
+      if constexpr (kHasMedia) {
+        if (crossing.is_hidden) walk.cross(crossing);
+      }
+      // A surface passed without a turn is no vertex; but no path goes on forever.
+      if (++passed > kMostPassed) break;
+      --depth;
     }
 
     ray = {};
@@ -134,8 +180,25 @@ PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler
     ++counts.bounce;
     sky = context.lights.environment().locate(direction);
     hit = context.geometry.intersect(ray, sampler.next_hash());
+    if constexpr (kHasMedia) {
+      bool scattered = false;
+      if (!walk.travel(context, ray, hit, sampler, counts, scattered)) break;
+      if (scattered) {
+        bsdf_pdf = 0.0f;
+        sky = context.lights.environment().locate(ray.direction);
+      }
+    }
   }
   return sample;
+}
+
+}  // namespace
+
+PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
+  hit = first_visible_hit(context, ray, hit, sampler, counts);
+  if (!hit) return background_sample(context, ray.direction);
+  return context.has_media ? trace<true>(context, ray, hit, sampler, counts)
+                           : trace<false>(context, ray, hit, sampler, counts);
 }
 
 PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
@@ -143,27 +206,45 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
   if (!hit) return background_sample(context, ray.direction);
 
   PathSample sample;
-  vec3 throughput(1.0f);
+  Walk walk;
+  int passed = 0;
   for (int depth = 0; hit; ++depth) {
-    const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction);
-    if (depth == 0) record_first_surface(point, sample);
-    sample.radiance += throughput * point.emission;
-    if (point.is_unlit || depth == context.bounces) return sample;
+    Crossing crossing;
+    if (context.has_media) crossing = walk.find_crossing(context, hit, ray.direction, unit_float(sampler.next_hash()));
+    const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, crossing.eta);
+    if (depth == 0 && passed == 0) record_first_surface(point, sample);
+    vec3 direction = ray.direction;
+    bool is_straight = crossing.is_hidden;
+    if (!crossing.is_hidden) {
+      sample.radiance += walk.throughput * point.emission;
+      if (point.is_unlit || depth == context.bounces) return sample;
 
-    const vec3 u = sampler.next_3d();
-    const shade::SurfaceSample next = shade::surface_sample(point.surface, point.wo, u);
-    const vec3 direction = point.frame.to_world(next.wi);
-    if (!point.is_outside(direction)) return sample;
-    throughput *= next.weight;
-    if (max_component(throughput) <= 0.0f) return sample;
+      const vec3 u = sampler.next_3d();
+      const shade::SurfaceSample next = shade::surface_sample(point.surface, point.wo, u);
+      is_straight = next.is_straight;
+      if (!is_straight) direction = point.frame.to_world(next.wi);
+      const bool is_through = next.wi.z < 0.0f;
+      if (point.is_outside(direction) == is_through) return sample;
+      walk.throughput *= next.weight;
+      if (max_component(walk.throughput) <= 0.0f) return sample;
+      if (is_through) walk.cross(crossing);
+    } else {
+      walk.cross(crossing);
+    }
+    if (is_straight) {
+      if (++passed > kMostPassed) return sample;
+      --depth;
+    }
 
     ray = {};
     ray.origin = point.ray_origin(direction);
     ray.direction = direction;
     ++counts.bounce;
     hit = context.geometry.intersect(ray, sampler.next_hash());
+    bool scattered = false;
+    if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
   }
-  sample.radiance += throughput * context.lights.escaped_radiance(ray.direction);
+  sample.radiance += walk.throughput * context.lights.escaped_radiance(ray.direction);
   return sample;
 }
 

@@ -38,9 +38,9 @@ class Job {
  public:
   Job(const Scene& scene, const Environment& environment, const View& view, const Settings& settings)
       : settings_(settings),
-        geometry_(scene),
+        geometry_(scene, settings.shading),
         lights_(scene, environment, geometry_),
-        context_{geometry_, lights_, settings.bounces, settings.background},
+        context_{geometry_, lights_, settings.bounces, settings.background, geometry_.has_media()},
         camera_(view, settings.width, settings.height),
         pinhole_(without_lens(view), settings.width, settings.height),
         filter_(settings.filter, settings.filter_radius),
@@ -315,6 +315,12 @@ void check_view(const View& view) {
 }
 
 }  // namespace
+
+std::uint64_t picture_bytes(const Settings& settings) {
+  const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
+  const std::uint64_t flags = settings.noise ? 2 : 1;  // who has converged, and who is good in itself
+  return pixels * (Accumulator::bytes_per_pixel(settings) + flags + film_bytes_per_pixel(settings.layers));
+}
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             Statistics* statistics, const Callbacks& callbacks) {

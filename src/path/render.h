@@ -10,6 +10,7 @@
 #include "image/film.h"
 #include "scene/scene.h"
 #include "scene/view.h"
+#include "shade/model.glsl.h"
 
 namespace candela::path {
 
@@ -34,6 +35,7 @@ struct Settings {
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
   Integrator integrator = Integrator::full;
   Background background = Background::environment;
+  shade::ShadingModel shading = shade::shading_model_candela();
   std::set<Layer> layers{};
 };
 
@@ -62,10 +64,14 @@ struct Statistics {
 struct Callbacks {
   std::function<void(const Progress&)> progress;  ///< called from one thread, a few times a second
   /// Called from one thread with the picture so far, every `partial_interval_s` on renders longer than that.
-  std::function<void(const Film&)> partial;
+  std::function<void(Film)> partial;
   double partial_interval_s = 5.0;
   const std::atomic<bool>* stop = nullptr;  ///< set to end early with what there is
 };
+
+/// Most bytes that the picture takes while it is rendered, the film in the caller's hands included; the scene comes to
+/// that.
+std::uint64_t picture_bytes(const Settings& settings);
 
 /// Renders `scene` under `environment`. The result depends on the arguments alone, never on the number of threads
 /// (with a time limit it depends on how many passes fitted).

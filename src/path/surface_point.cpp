@@ -1,5 +1,7 @@
 #include "path/surface_point.h"
 
+#include "shade/workflow.glsl.h"
+
 namespace candela::path {
 
 namespace {
@@ -45,15 +47,11 @@ struct MaterialFootprints {
   }
 };
 
-shade::SurfaceParams fetch_params(const MaterialData& material, const MaterialFootprints& at, vec3 base_color) {
-  const Material& m = material.factors;
-  shade::SurfaceParams params = shade::surface_params_default();
+/// Metallic-roughness of a material, or specular-glossiness brought to the same surface: ior is 0, so that
+/// specular_color is F0 and F90 is 1.
+void fetch_base(const MaterialData& material, const MaterialFootprints& at, vec3 base_color,
+                shade::SurfaceParams& params) {
   params.base_color = base_color;
-  params.metallic = m.metallic;
-  params.roughness = m.roughness;
-  params.ior = m.ior;
-  params.specular = m.specular;
-  params.specular_color = m.specular_color;
   if (material.metallic_roughness) {
     const vec4 texel = material.metallic_roughness.read(at.metallic_roughness);
     params.roughness *= texel.y;
@@ -61,7 +59,59 @@ shade::SurfaceParams fetch_params(const MaterialData& material, const MaterialFo
   }
   if (material.specular) params.specular *= material.specular.read(at.specular).w;
   if (material.specular_color) params.specular_color *= vec3(material.specular_color.read(at.specular_color));
-  return params;
+}
+
+/// KHR_materials_pbrSpecularGlossiness. Its diffuse colour is what the boundary leaves of the layer below; a
+/// metallic-roughness base colour is the layer itself, seen through a boundary of 4 % (shade/workflow.glsl.h).
+void fetch_specular_glossiness(const MaterialData& material, const MeshData& mesh, const uvec3& t, vec3 b,
+                               shade::SurfaceParams& params) {
+  if (material.specular_glossiness) {
+    const vec4 texel = material.specular_glossiness.sample(mesh.uv(t, b, material.specular_glossiness.uv_set()));
+    params.specular_color *= vec3(texel);
+    params.roughness = 1.0f - (1.0f - params.roughness) * texel.w;
+  }
+  const float left = 1.0f - shade::shade_max3(params.specular_color);
+  params.base_color = glm::min(params.base_color * (left / (1.0f - shade::kWorkflowF0)), vec3(1.0f));
+}
+
+/// The tangent and bitangent of the front, wherever the viewer is.
+Frame front_frame(const Placement& placement, const MeshData& mesh, const uvec3& t, vec3 b, vec3 front, bool& flip) {
+  const vec4 t0 = mesh.tangents[t.x];
+  vec3 tangent = vec3(t0) * b.x + vec3(mesh.tangents[t.y]) * b.y + vec3(mesh.tangents[t.z]) * b.z;
+  if (!placement.is_world) tangent = mat3(placement.world_from_object) * tangent;
+  flip = (t0.w < 0.0f) != (!placement.is_world && placement.is_mirrored);
+  return frame_from_tangent(front, tangent);
+}
+
+/// The normal that a map gives at a point, on the viewer's side; `ns` where the map has none.
+vec3 mapped_normal(vec4 texel, float scale, const Frame& frame, bool flip, vec3 ns, bool is_back) {
+  vec3 local = vec3(texel) * 2.0f - 1.0f;
+  local.x *= scale;
+  local.y *= flip ? -scale : scale;
+  const vec3 mapped = frame.to_world(local);
+  const float mapped2 = glm::dot(mapped, mapped);
+  return mapped2 > 1e-12f ? mapped * (glm::inversesqrt(mapped2) * (is_back ? -1.0f : 1.0f)) : ns;
+}
+
+/// Everything beyond metallic-roughness.
+void fetch_layers(const MaterialData& material, const MeshData& mesh, const uvec3& t, vec3 b,
+                  shade::SurfaceParams& params) {
+  const auto read = [&](const TextureReader& texture) { return texture.sample(mesh.uv(t, b, texture.uv_set())); };
+  const Material& m = material.factors;
+  if (material.clearcoat) params.clearcoat *= read(material.clearcoat).x;
+  if (material.clearcoat_roughness) params.clearcoat_roughness *= read(material.clearcoat_roughness).y;
+  if (material.sheen_color) params.sheen_color *= vec3(read(material.sheen_color));
+  if (material.sheen_roughness) params.sheen_roughness *= read(material.sheen_roughness).w;
+  if (material.iridescence) params.iridescence *= read(material.iridescence).x;
+  if (material.iridescence_thickness) {
+    params.film_nm = glm::mix(m.iridescence_thickness_min_nm, m.iridescence_thickness_max_nm,
+                              read(material.iridescence_thickness).y);
+  }
+  if (material.transmission) params.transmission *= read(material.transmission).x;
+  if (material.diffuse_transmission) params.diffuse_transmission *= read(material.diffuse_transmission).w;
+  if (material.diffuse_transmission_color) {
+    params.diffuse_transmission_color *= vec3(read(material.diffuse_transmission_color));
+  }
 }
 
 }  // namespace
@@ -92,14 +142,18 @@ vec3 emission_at(const MeshData& mesh, const uvec3& triangle, vec3 barycentric) 
 }
 
 bool is_culled_back(const Geometry& geometry, const Hit& hit, vec3 direction) {
+  return !geometry.placement(hit.placement).mesh->material->factors.double_sided &&
+         is_back_hit(geometry, hit, direction);
+}
+
+bool is_back_hit(const Geometry& geometry, const Hit& hit, vec3 direction) {
   const Placement& placement = geometry.placement(hit.placement);
-  if (placement.mesh->material->factors.double_sided) return false;
   const TrianglePositions p = triangle_positions(placement, hit.triangle);
   const float side = glm::dot(glm::cross(p.p1 - p.p0, p.p2 - p.p0), direction);
   return placement.is_mirrored ? side < 0.0f : side > 0.0f;
 }
 
-SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 direction) {
+SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 direction, float eta) {
   const Placement& placement = geometry.placement(hit.placement);
   const MeshData& mesh = *placement.mesh;
   const MaterialData& material = *mesh.material;
@@ -111,6 +165,7 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
 
   // ----- the facet
   SurfacePoint point;
+  point.material = &material;
   const TrianglePositions p = triangle_positions(placement, hit.triangle);
   point.position = p.p0 * b.x + p.p1 * b.y + p.p2 * b.z;
   vec3 ng = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
@@ -140,40 +195,64 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   point.smooth_normal = ns;
   point.lifted = lift_to_smooth_surface(point.position, p, normals, b);
 
-  // ----- normal map
-  if (material.normal && !mesh.tangents.empty()) {
-    const vec4 t0 = mesh.tangents[t.x];
-    vec3 tangent = vec3(t0) * b.x + vec3(mesh.tangents[t.y]) * b.y + vec3(mesh.tangents[t.z]) * b.z;
-    if (!placement.is_world) tangent = mat3(placement.world_from_object) * tangent;
-    // The map's frame belongs to the front; seen from behind its normal is flipped as a whole (glTF 2.0 §3.9.6).
-    const vec3 front = point.is_back ? -ns : ns;
-    const bool flip = (t0.w < 0.0f) != (!placement.is_world && placement.is_mirrored);
-    const Frame frame = frame_from_tangent(front, tangent);
-    const vec4 texel = material.normal.read(at.normal);
-    vec3 local = vec3(texel) * 2.0f - 1.0f;
-    local.x *= m.normal_scale;
-    local.y *= flip ? -m.normal_scale : m.normal_scale;
-    const vec3 mapped = frame.to_world(local);
-    const float mapped2 = glm::dot(mapped, mapped);
-    if (mapped2 > 1e-12f) ns = mapped * (glm::inversesqrt(mapped2) * (point.is_back ? -1.0f : 1.0f));
+  // ----- normal maps; the frame belongs to the front: seen from behind its normals are flipped (glTF 2.0 §3.9.6)
+  const bool has_tangents = material.needs_tangents && !mesh.tangents.empty();
+  vec3 coat_normal = ns;
+  Frame front;
+  if (has_tangents) {
+    bool flip = false;
+    const vec3 side_normal = point.is_back ? -ns : ns;
+    front = front_frame(placement, mesh, t, b, side_normal, flip);
+    if (material.clearcoat_normal) {
+      const vec4 texel = material.clearcoat_normal.sample(mesh.uv(t, b, material.clearcoat_normal.uv_set()));
+      coat_normal = mapped_normal(texel, m.clearcoat_normal_scale, front, flip, ns, point.is_back);
+    }
+    if (material.normal) {
+      ns = mapped_normal(material.normal.read(at.normal), m.normal_scale, front, flip, ns, point.is_back);
+    }
+    // What an anisotropy texture turns counter-clockwise turns so in the map's own frame.
+    if (flip) front.b = -front.b;
   }
   ns = keep_reflection_outside(ns, ng, wo);
-  point.frame = frame_from_normal(ns);
-  point.wo = point.frame.to_local(wo);
 
   // ----- the material
   vec3 base_color = m.base_color * vec3(mesh.color(t, b));
   if (material.base_color) base_color *= vec3(material.base_color.read(at.base_color));
   if (m.unlit) {
+    point.frame = frame_from_normal(ns);
+    point.wo = point.frame.to_local(wo);
     point.is_unlit = true;
     point.emission = base_color;
     return point;
   }
+  shade::SurfaceParams params = material.params;
+  fetch_base(material, at, base_color, params);
+  if (m.specular_glossiness) fetch_specular_glossiness(material, mesh, t, b, params);
+  vec3 tangent(0.0f);
+  if (params.lobes != 0) {
+    fetch_layers(material, mesh, t, b, params);
+    if ((params.lobes & shade::kLobeAnisotropy) != 0 && has_tangents) {
+      vec2 turn(std::cos(m.anisotropy_rotation), std::sin(m.anisotropy_rotation));
+      if (material.anisotropy) {
+        const vec4 texel = material.anisotropy.sample(mesh.uv(t, b, material.anisotropy.uv_set()));
+        const vec2 d = vec2(texel) * 2.0f - 1.0f;
+        turn = {turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y};
+        params.anisotropy *= texel.z;
+      }
+      tangent = front.t * turn.x + front.b * turn.y;
+    }
+    if (material.has_medium) params.eta = eta;
+  }
+  point.frame = max_component(glm::abs(tangent)) > 0.0f ? frame_from_tangent(ns, tangent) : frame_from_normal(ns);
+  point.wo = point.frame.to_local(wo);
+  if ((params.lobes & shade::kLobeClearcoat) != 0) {
+    params.clearcoat_normal = point.frame.to_local(keep_reflection_outside(coat_normal, ng, wo));
+  }
+  point.surface = shade::surface_prepare(params, point.wo);
   if (material.is_emissive && (!point.is_back || m.double_sided)) {
-    point.emission = m.emission;
+    point.emission = m.emission * shade::surface_emission_scale(point.surface);
     if (material.emissive) point.emission *= vec3(material.emissive.read(at.emissive));
   }
-  point.surface = shade::surface_prepare(fetch_params(material, at, base_color), point.wo);
   return point;
 }
 

@@ -20,6 +20,7 @@ struct SurfacePoint {
   vec3 emission{0.0f};  ///< towards wo
   bool is_back = false;
   bool is_unlit = false;  ///< emits its base colour and reflects nothing
+  const MaterialData* material = nullptr;
 
   /// Origin of a ray into `direction` that does not meet its own surface again.
   vec3 ray_origin(vec3 direction) const;
@@ -28,8 +29,12 @@ struct SurfacePoint {
   bool is_outside(vec3 direction) const { return glm::dot(smooth_normal, direction) > 0.0f; }
 };
 
-/// Fetches textures and prepares the closure at a hit of a ray with `direction`.
-SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 direction);
+/// Fetches textures and prepares the closure at a hit of a ray with `direction`. `eta` is the index on the far side
+/// over that on the near side, of materials with a medium.
+SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 direction, float eta = 1.0f);
+
+/// Whether a ray with `direction` meets the back of the facet.
+bool is_back_hit(const Geometry& geometry, const Hit& hit, vec3 direction);
 
 /// Whether a hit shows the back of a single-sided material, which the camera looks through (glTF 2.0 §3.9.6).
 bool is_culled_back(const Geometry& geometry, const Hit& hit, vec3 direction);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "shade/units.glsl.h"
 
 namespace candela {
 
@@ -247,6 +248,14 @@ Box3 world_bounds(const Scene& scene) {
     }
   }
   return box;
+}
+
+float intensity_from_lumens(const Scene& scene, const Light& light, float lumens) {
+  if (light.ies >= 0) {
+    return lumens / static_cast<float>(ies_flux(scene.ies_profiles[static_cast<std::size_t>(light.ies)]));
+  }
+  if (light.type == LightType::point) return shade::units_candela_from_point_lumens(lumens);
+  return shade::units_candela_from_spot_lumens(lumens, std::cos(light.inner_cone), std::cos(light.outer_cone));
 }
 
 void validate(const Scene& scene) {

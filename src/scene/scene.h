@@ -261,6 +261,10 @@ void update_world_transforms(Scene& scene);
 /// World-space bounds of everything that has a mesh; empty when there is none.
 Box3 world_bounds(const Scene& scene);
 
+/// The Light::intensity with which a point or spot of white colour gives this flux; not finite where its profile is
+/// dark.
+float intensity_from_lumens(const Scene& scene, const Light& light, float lumens);
+
 /// Throws Error when an index is out of range, an array length disagrees or a number is not finite.
 void validate(const Scene& scene);
 

@@ -35,6 +35,13 @@ SHADE_FN vec3 base_fresnel(SHADE_IN(Surface) s, float cos_theta) {
   return s.weight_dielectric * f_dielectric + s.weight_metal * f_metal;
 }
 
+/// What single scattering between white facets loses at a direction with split-sum terms `ab`. Nothing of a mirror:
+/// what is left there is rounding.
+SHADE_FN float base_escape(vec2 ab) {
+  float e = 1.0f - ab.x - ab.y;
+  return e > 1e-5f ? e : 0.0f;
+}
+
 /// Share of light that crosses the dielectric boundary at a direction with split-sum terms `ab`: 1 - its albedo.
 SHADE_FN float base_transmission(SHADE_IN(Surface) s, vec2 ab) {
   return max(1.0f - s.boundary_f0 * ab.x - s.f90_dielectric * ab.y - s.boundary_escape * (1.0f - ab.x - ab.y), 0.0f);
@@ -68,7 +75,7 @@ SHADE_FN void base_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
 /// their cosine-weighted means.
 SHADE_FN void base_energy(vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
   s.escape_mean = 1.0f - mean.x - mean.y;
-  s.escape_o = s.is_mirror ? 0.0f : max(1.0f - ab.x - ab.y, 0.0f);
+  s.escape_o = s.is_mirror ? 0.0f : base_escape(ab);
 
   // ----- multiple scattering between facets, of each material before they are mixed
   vec3 share_dielectric = multiscatter_share3(schlick_mean(s.f0_dielectric, s.f90_dielectric), 1.0f - s.escape_mean);
@@ -101,7 +108,7 @@ SHADE_FN SurfaceEval base_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   if (wo.z <= 0.0f || wi.z <= 0.0f) return r;
   vec2 ab = table_ggx(wi.z, s.row);
   float diffuse = s.transmission_o * base_transmission(s, ab) * s.diffuse_scale * (1.0f / kShadePi);
-  r.value = (s.diffuse * diffuse + s.multiscatter * (s.escape_o * (1.0f - ab.x - ab.y))) * wi.z;
+  r.value = (s.diffuse * diffuse + s.multiscatter * (s.escape_o * base_escape(ab))) * wi.z;
   r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
   if (!s.is_mirror) {
     vec3 wm = wo + wi;

@@ -124,6 +124,7 @@ SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
     // KHR_materials_anisotropy: the direction of the texture is the rougher one.
     s.alpha_x = max(mix(s.alpha, 1.0f, shade_sqr(p.anisotropy)), kGgxMirrorAlpha);
     s.alpha_y = max(s.alpha, kGgxMirrorAlpha);
+    s.alpha = s.alpha_y;  // no mirror, for terms that know one width only
     s.is_mirror = false;
     s.roughness = sqrt(sqrt(s.alpha_x * s.alpha_y));
     s.row = table_ggx_roughness(s.roughness);
@@ -224,7 +225,7 @@ SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOU
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
   vec2 ab = table_ggx(layers_coat_cosine(s, wo), s.coat_row);
-  s.coat_escape_o = s.is_coat_mirror ? 0.0f : max(1.0f - ab.x - ab.y, 0.0f);
+  s.coat_escape_o = s.is_coat_mirror ? 0.0f : base_escape(ab);
 }
 
 SHADE_FN void layers_prepare_sheen(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
@@ -263,7 +264,7 @@ SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
   float there = max(layers_glass_escape_mean(s, 1.0f / s.eta), 1e-6f);
   float n2 = s.eta * s.eta;
   float through = there * n2 / (here + there * n2);
-  s.glass_escape_o = 1.0f - table_glass(wo.z, layers_roughness_along(s, wo), s.eta);
+  s.glass_escape_o = max(1.0f - table_glass(wo.z, layers_roughness_along(s, wo), s.eta), 0.0f);
   s.glass_multireflect = s.weight_glass * (1.0f - through) / (kShadePi * here);
   s.glass_multitransmit = s.glass_tint * (s.weight_glass * through / (kShadePi * there * n2));
 }
@@ -297,6 +298,7 @@ SHADE_FN void layers_chances(vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
   }
   float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
   float sheen = s.sheen_weight * s.sheen_albedo_o;
+  if (sheen < 1e-6f) sheen = 0.0f;  // rounding: straight down between narrow fibres there is nothing
   float coat = s.coat * s.coat_albedo_o;
   if (dot(s.coat_normal, wo) <= 1e-4f) coat = 0.0f;  // it turns its back
   if (coat * s.coat_multiscatter > 0.0f) diffuse += s.coat * s.coat_escape_share * s.coat_escape_o;
@@ -399,7 +401,7 @@ SHADE_FN SurfaceEval layers_eval_coat(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   vec3 i = layers_to_coat(s, wi);
   if (o.z <= 0.0f || i.z <= 0.0f) return r;
   vec2 ab = table_ggx(i.z, s.coat_row);
-  float f = s.coat_multiscatter * s.coat_escape_o * (1.0f - ab.x - ab.y);
+  float f = s.coat_multiscatter * s.coat_escape_o * base_escape(ab);
   if (!s.is_coat_mirror) {
     vec3 wm = o + i;
     float cos_m = 0.5f * length(wm);
@@ -426,7 +428,7 @@ SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
   float cos_m = 0.5f * length(wm);
   wm = wm * (0.5f / cos_m);
   vec2 ab = layers_ggx(s, wi);
-  float escape = max(1.0f - ab.x - ab.y, 0.0f);
+  float escape = base_escape(ab);
   float over = layers_over(s, at);
 
   // ----- diffuse, and what scatters many times between facets
@@ -434,8 +436,9 @@ SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
   r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
   r.value = lost * over;
   if (s.weight_glass > 0.0f) {
-    float glass_escape =
-        s.is_thin || s.is_glass_delta ? escape : 1.0f - table_glass(wi.z, layers_roughness_along(s, wi), s.eta);
+    float glass_escape = s.is_thin || s.is_glass_delta
+                             ? escape
+                             : max(1.0f - table_glass(wi.z, layers_roughness_along(s, wi), s.eta), 0.0f);
     r.value += vec3(s.glass_multireflect * s.glass_escape_o * glass_escape * over);
   }
   r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, cos_m, at, ab);
@@ -479,7 +482,7 @@ SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
   if (s.weight_glass <= 0.0f || s.is_glass_delta) return r;
 
   float escape =
-      s.is_thin ? 1.0f - ab.x - ab.y : 1.0f - table_glass(cos_i, layers_roughness_along(s, wi), 1.0f / s.eta);
+      s.is_thin ? base_escape(ab) : max(1.0f - table_glass(cos_i, layers_roughness_along(s, wi), 1.0f / s.eta), 0.0f);
   r.value += s.glass_multitransmit * (s.glass_escape_o * escape * cos_i * across);
 
   if (s.is_thin) {

@@ -104,8 +104,9 @@ class CliTest(unittest.TestCase):
         return sorted(path.name for path in self.folder.iterdir())
 
 
-def triangle_glb():
-    """One triangle 2 m wide in the plane z = 0, and two cameras in front of it: "near", and one on the node "far"."""
+def triangle_glb(light=None):
+    """One triangle 2 m wide in the plane z = 0, and two cameras in front of it: "near", and one on the node "far".
+    `light` of KHR_lights_punctual hangs 2 m in front of its middle."""
     positions = struct.pack("<9f", -1, 0, 0, 1, 0, 0, 0, 2, 0)
     lens = {"yfov": 0.8, "znear": 0.1}
     scene = {
@@ -128,6 +129,11 @@ def triangle_glb():
         "bufferViews": [{"buffer": 0, "byteLength": len(positions)}],
         "buffers": [{"byteLength": len(positions)}],
     }
+    if light:
+        scene["nodes"].append({"translation": [0, 1, 2], "extensions": {"KHR_lights_punctual": {"light": 0}}})
+        scene["scenes"][0]["nodes"].append(3)
+        scene["extensionsUsed"] = ["KHR_lights_punctual"]
+        scene["extensions"] = {"KHR_lights_punctual": {"lights": [light]}}
     text = json.dumps(scene).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(positions), b"BIN\0") + positions

@@ -72,6 +72,51 @@ class Info(CliTest):
         self.assertEqual(info["animations"], 0)
         self.assertIn("VENDOR_unheard_of", self.succeeds("info", "a.gltf").out)
 
+    def file_that_requires(self, extension, **more):
+        """A triangle in a file that cannot do without `extension`."""
+        glb = triangle_glb()
+        size = struct.unpack("<I", glb[12:16])[0]
+        scene = json.loads(glb[20 : 20 + size])
+        scene |= {"extensionsUsed": [extension], "extensionsRequired": [extension]} | more
+        text = json.dumps(scene).encode()
+        text += b" " * (-len(text) % 4)
+        rest = struct.pack("<I4s", len(text), b"JSON") + text + glb[20 + size :]
+        (self.folder / "a.glb").write_bytes(b"glTF" + struct.pack("<II", 2, 12 + len(rest)) + rest)
+        self.fails("render", "a.glb", *TINY, "-o", "a.png", says=f"a.glb.*requires {extension}, which is not supported")
+        info = self.json_of("a.glb")
+        self.assertEqual(info["extensions"]["required"], [extension])
+        self.assertEqual(info["extensions"]["required_unsupported"], [extension])
+        self.assertEqual(info["generator"], "candela tests")
+        self.assertIn(extension, info["warnings"][0])
+        self.assertRegex(self.succeeds("info", "a.glb").out, rf"(?m)^unsupported +{extension}: required")
+        return info
+
+    def test_file_that_requires_what_we_lack(self):
+        info = self.file_that_requires("VENDOR_unheard_of")
+        self.assertEqual((info["nodes"], info["triangles"]), (3, 1))
+        self.assertEqual(len(info["warnings"]), 1)
+
+    def test_no_count_is_better_than_a_wrong_one(self):
+        # Compressed geometry would read as zeros; an image in a format of the extension's has no size that we know.
+        for extension, more in {
+            "KHR_draco_mesh_compression": {"accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}]},
+            "VENDOR_image_format": {
+                "materials": [{"emissiveTexture": {"index": 0}}],
+                "textures": [{"source": 0}],
+                "images": [{"bufferView": 0, "mimeType": "image/vendor"}],
+                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+            },
+        }.items():
+            with self.subTest(extension=extension):
+                info = self.file_that_requires(extension, **more)
+                self.assertNotIn("triangles", info)
+                self.assertRegex(info["warnings"][-1], "the scene cannot be read")
+
+    def test_damage_is_an_error_whatever_the_file_requires(self):
+        scene = {"asset": {"version": "2.0"}, "extensionsUsed": [], "scenes": [{"nodes": [7]}]}
+        (self.folder / "a.gltf").write_text(json.dumps(scene))
+        self.fails("info", "a.gltf", says="a.gltf")
+
     def test_image_luminance_is_exact(self):
         # A flat RGBE picture, 2 x 1: mantissa 128 with exponent 129 is 1.0, with exponent 130 it is 2.0.
         (self.folder / "a.hdr").write_bytes(

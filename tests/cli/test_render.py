@@ -6,6 +6,7 @@ import os
 import pathlib
 import pty
 import re
+import resource
 import signal
 import time
 
@@ -90,6 +91,23 @@ class Pictures(CliTest):
         ):
             with self.subTest(options=options):
                 self.assertNotEqual(picture(f"{number}.png", *options), plain)
+
+    def test_light_falloff_is_that_of_every_light(self):
+        lamp = {"type": "point", "intensity": 20, "range": 5}
+
+        def picture(name, light, *options):
+            (self.folder / "lit.glb").write_bytes(triangle_glb(light))
+            self.succeeds("render", "lit.glb", *TINY, "--env", "none", "--exposure", "0", "-o", name, *options)
+            return png_pixels(self.folder / name)
+
+        kinds = ["gltf", "inverse-square", "ue4", "polynomial:1,0.5,0.25"]
+        pictures = [picture(f"{number}.png", lamp, "--light-falloff", kind) for number, kind in enumerate(kinds)]
+        for number, one in enumerate(pictures):
+            self.assertTrue(all(one != other for other in pictures[:number]), kinds[number])
+        self.assertEqual(picture("plain.png", lamp), pictures[0])
+        asked = {"falloff": "polynomial", "polynomial": [1, 0.5, 0.25]}
+        self.assertEqual(picture("asked.png", {**lamp, "extras": {"candela": asked}}), pictures[3])
+        self.assertEqual(picture("same.png", lamp, "--light-falloff", "polynomial"), pictures[1])
 
     def test_sun_elevation_is_the_sky_of_that_name(self):
         self.succeeds(*SPHERES, *TINY, "--sun-elevation", "12", "-o", "a.png")
@@ -361,6 +379,17 @@ class BadInput(CliTest):
                 self.fails("render", "absent.glb", "-o", output, says=says)
                 self.fails("render", "absent.glb", "-o", "good.png", "--stats", output.replace(".png", ".json"),
                            says="absent.glb" if output == "folder.png" else says)  # fmt: skip
+
+    def test_picture_beyond_the_memory_is_refused_before_the_work(self):
+        def limited():
+            resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+
+        if self.run_candela("--version", preexec_fn=limited).code != 0:
+            self.skipTest("sanitizers need more room than the limit leaves")
+        self.succeeds(*SPHERES, *TINY, "-o", "small.png", preexec_fn=limited)
+        # A missing scene would be found first if memory were looked at later.
+        self.fails("render", "absent.glb", "--size", "16384x16384", "-o", "a.png", preexec_fn=limited,
+                   says=r"--size: a picture of 16384x16384 needs about \d+\.\d\d GiB .* 1\.\d\d GiB are available")  # fmt: skip
 
     def test_devices_are_not_replaced_by_files(self):
         result = self.run_candela(*SPHERES, *TINY, "-o", "a.png", "--stats", "/dev/full", "--quiet")

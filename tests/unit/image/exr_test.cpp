@@ -74,7 +74,7 @@ TEST(unit_image_exr, metadata_survives_a_round_trip) {
   }
 }
 
-TEST(unit_image_exr, the_header_says_rec709_float_zip_and_the_documented_channels) {
+TEST(unit_image_exr, the_header_says_rec709_float_and_the_documented_channels) {
   const TempFolder folder;
   write_exr(folder / "a.exr", random_film(4, 4));
   const Imf::InputFile file((folder / "a.exr").c_str());
@@ -82,7 +82,7 @@ TEST(unit_image_exr, the_header_says_rec709_float_zip_and_the_documented_channel
   ASSERT_TRUE(Imf::hasChromaticities(header));
   EXPECT_EQ(Imf::chromaticities(header).red, Imath::V2f(0.64f, 0.33f));
   EXPECT_EQ(Imf::chromaticities(header).white, Imath::V2f(0.3127f, 0.3290f));
-  EXPECT_EQ(header.compression(), Imf::ZIP_COMPRESSION);
+  EXPECT_EQ(header.compression(), Imf::ZIPS_COMPRESSION);
   std::string names;
   for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
     names += std::string(c.name()) + ' ';
@@ -91,6 +91,23 @@ TEST(unit_image_exr, the_header_says_rec709_float_zip_and_the_documented_channel
   EXPECT_EQ(
       names,
       "A B G R albedo.B albedo.G albedo.R depth.Z id.Y normal.B normal.G normal.R position.B position.G position.R ");
+}
+
+TEST(unit_image_exr, what_is_empty_takes_little_room_and_noise_no_more_than_its_floats) {
+  const TempFolder folder;
+  const auto size_of = [&](const Film& film) {
+    write_exr(folder / "a.exr", film);
+    return std::filesystem::file_size(folder / "a.exr");
+  };
+  constexpr std::uint64_t kFloats = std::uint64_t{256} * 128 * 4;
+  Film film;
+  film.beauty = test::random_image(256, 128, 4);
+  EXPECT_LT(size_of(film), kFloats * sizeof(float) + 4096);
+  film.layers[Layer::depth] = Image(256, 128, 1);
+  EXPECT_LT(size_of(film), kFloats * sizeof(float) + 8192);
+  film.layers.clear();
+  film.beauty.pixels.assign(kFloats, 0.0f);
+  EXPECT_LT(size_of(film), kFloats * sizeof(float) / 20);
 }
 
 TEST(unit_image_exr, alpha_is_left_out_of_an_opaque_film) {

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -204,7 +206,8 @@ TEST(unit_io_demo, every_demo_is_valid_and_complete) {
       for (const Primitive& primitive : mesh.primitives) {
         expect_good_frames(primitive, mesh.name);
         const Material& material = scene.materials[static_cast<std::size_t>(primitive.material)];
-        EXPECT_EQ(primitive.tangents.empty(), !material.normal_texture) << mesh.name;
+        const bool needs_tangents = material.normal_texture || material.anisotropy > 0.0f;
+        EXPECT_EQ(primitive.tangents.empty(), !needs_tangents) << mesh.name;
       }
     }
   }
@@ -231,7 +234,7 @@ float visible_share(const Scene& scene, const View& view, float aspect, const No
 TEST(unit_io_demo, cameras_show_the_whole_subject) {
   for (const DemoInfo& info : demos()) {
     const Scene& scene = demo(info.name);
-    for (const float aspect : {16.0f / 9.0f, 1.0f}) {
+    for (const float aspect : {info.name.starts_with("row-") ? 6.0f : 16.0f / 9.0f, 1.0f}) {
       const View view = scene_camera(scene, "0", aspect);
       for (const Node& node : scene.nodes) {
         if (node.mesh < 0 || node.name == "backdrop") continue;
@@ -269,6 +272,120 @@ TEST(unit_io_demo, cornell_box_has_the_published_proportions) {
     } else if (material == "light") {
       EXPECT_LT(transform_vector(node.world_from_node, primitive.normals[0]).y, 0.0f) << "the lamp shines down";
     }
+  }
+}
+
+/// The materials of a row's balls, from left to right.
+std::vector<Material> row_of(const Scene& scene) {
+  std::vector<Material> balls;
+  for (int i = 0; i < 7; ++i) {
+    const auto found = std::find_if(scene.materials.begin(), scene.materials.end(),
+                                    [&](const Material& m) { return m.name == "ball " + std::to_string(i); });
+    if (found != scene.materials.end()) balls.push_back(*found);
+  }
+  return balls;
+}
+
+/// What each row is about, and its least and greatest value.
+struct RowLaw {
+  std::function<float(const Material&)> parameter;
+  float least;
+  float most;
+};
+template <class T>
+RowLaw law_of(T Material::*parameter, float least, float most) {
+  return {[parameter](const Material& m) { return m.*parameter; }, least, most};
+}
+
+const std::map<std::string, RowLaw>& row_laws() {
+  static const std::map<std::string, RowLaw> laws{
+      {"row-metallic", law_of(&Material::metallic, 0.0f, 1.0f)},
+      {"row-roughness", law_of(&Material::roughness, 0.0f, 1.0f)},
+      {"row-roughness-metal", law_of(&Material::roughness, 0.0f, 1.0f)},
+      {"row-ior", law_of(&Material::ior, 1.0f, 2.42f)},
+      {"row-specular", law_of(&Material::specular, 0.0f, 1.0f)},
+      {"row-clearcoat", law_of(&Material::clearcoat, 0.0f, 1.0f)},
+      {"row-clearcoat-roughness", law_of(&Material::clearcoat_roughness, 0.0f, 1.0f)},
+      {"row-sheen-color", {[](const Material& m) { return m.sheen_color.y; }, 0.0f, 1.0f}},
+      {"row-sheen-roughness", law_of(&Material::sheen_roughness, 0.0f, 1.0f)},
+      {"row-anisotropy", law_of(&Material::anisotropy, 0.0f, 1.0f)},
+      {"row-anisotropy-rotation", law_of(&Material::anisotropy_rotation, 0.0f, kPi)},
+      {"row-iridescence-thickness", law_of(&Material::iridescence_thickness_max_nm, 0.0f, 900.0f)},
+      {"row-iridescence-ior", law_of(&Material::iridescence_ior, 1.0f, 2.5f)},
+      {"row-transmission", law_of(&Material::transmission, 0.0f, 1.0f)},
+      {"row-transmission-ior", law_of(&Material::ior, 1.0f, 2.42f)},
+      {"row-transmission-roughness", law_of(&Material::roughness, 0.0f, 1.0f)},
+      {"row-thin-transmission", law_of(&Material::transmission, 0.0f, 1.0f)},
+      {"row-attenuation", {[](const Material& m) { return -m.attenuation_distance; }, -0.8f, -0.0125f}},
+      {"row-dispersion", law_of(&Material::dispersion, 0.0f, 8.0f)},
+      {"row-diffuse-transmission", law_of(&Material::diffuse_transmission, 0.0f, 1.0f)},
+      {"row-subsurface", {[](const Material& m) { return -m.attenuation_distance; }, -0.1f, -0.00075f}},
+      {"row-scatter-anisotropy", law_of(&Material::scatter_anisotropy, -0.9f, 0.9f)},
+      {"row-emission", {[](const Material& m) { return m.emission.x; }, 0.0f, 4.0f}},
+      {"row-specular-glossiness", {[](const Material& m) { return m.specular_color.x; }, 0.04f, 1.0f}}};
+  return laws;
+}
+
+TEST(unit_io_demo, every_row_goes_from_the_least_to_the_greatest) {
+  // What shows kinds of matter rather than a parameter.
+  const std::set<std::string> kinds{"row-lobes", "row-conductor"};
+  std::size_t rows = 0;
+  for (const DemoInfo& info : demos()) {
+    if (!info.name.starts_with("row-")) continue;
+    SCOPED_TRACE(info.name);
+    ++rows;
+    const std::vector<Material> balls = row_of(demo(info.name));
+    ASSERT_EQ(balls.size(), 7u);
+    if (kinds.contains(info.name)) continue;
+    ASSERT_TRUE(row_laws().contains(info.name)) << "say above what it shows";
+    const RowLaw& law = row_laws().at(info.name);
+    EXPECT_NEAR(law.parameter(balls.front()), law.least, 1e-6f);
+    EXPECT_NEAR(law.parameter(balls.back()), law.most, 1e-6f);
+    for (std::size_t i = 1; i < balls.size(); ++i) EXPECT_GT(law.parameter(balls[i]), law.parameter(balls[i - 1])) << i;
+  }
+  EXPECT_EQ(rows, row_laws().size() + kinds.size());
+}
+
+TEST(unit_io_demo, rows_stand_on_the_ground_and_are_closed) {
+  for (const DemoInfo& info : demos()) {
+    if (!info.name.starts_with("row-")) continue;
+    SCOPED_TRACE(info.name);
+    const Scene& scene = demo(info.name);
+    float lowest = kInfinity;
+    std::set<int> balls;
+    for (const Node& node : scene.nodes) {
+      if (node.mesh < 0 || node.name == "backdrop") continue;
+      const Primitive& primitive = scene.meshes[static_cast<std::size_t>(node.mesh)].primitives[0];
+      for (const vec3 p : primitive.positions) lowest = std::min(lowest, transform_point(node.world_from_node, p).y);
+      // Bodies of glass have to be closed; all rows are made of the same two shapes.
+      if (node.name == "ball 0") {
+        expect_closed(primitive, node.name);
+        EXPECT_GT(volume(primitive), 0.0);
+      }
+      if (node.name.size() == std::string("ball 0").size()) balls.insert(node.mesh);
+    }
+    EXPECT_EQ(balls.size(), 7u);
+    EXPECT_NEAR(lowest, 0.0f, 1e-6f);
+  }
+}
+
+TEST(unit_io_demo, row_of_metals_is_measured) {
+  std::set<float> reds;
+  for (const Material& ball : row_of(demo("row-conductor"))) {
+    EXPECT_TRUE(ball.is_conductor()) << ball.name;
+    reds.insert(ball.conductor_k.x);
+  }
+  EXPECT_EQ(reds.size(), 7u);
+}
+
+TEST(unit_io_demo, an_unknown_name_is_told_the_known_ones) {
+  try {
+    make_demo("row-teapot");
+    FAIL() << "there is no such row";
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("materials"), std::string::npos);
+    EXPECT_NE(text.find("row-clearcoat-roughness"), std::string::npos);
   }
 }
 

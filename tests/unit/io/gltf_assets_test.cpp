@@ -78,6 +78,61 @@ TEST(unit_io_gltf_assets, the_helmet_is_what_it_is) {
   EXPECT_LT(box.size().x, 2.0f);
 }
 
+/// All lobes of all materials.
+std::set<std::string_view> lobes_of(const Scene& scene) {
+  std::set<std::string_view> lobes;
+  for (const Material& m : scene.materials) {
+    for (const std::string_view lobe : material_lobes(m)) lobes.insert(lobe);
+  }
+  return lobes;
+}
+
+TEST(unit_io_gltf_assets, models_have_the_lobes_that_they_are_made_to_show) {
+  SKIP_WITHOUT_ASSETS();
+  const std::vector<std::pair<std::string, std::set<std::string_view>>> files{
+      {"ClearCoatTest/glTF-Binary/ClearCoatTest.glb", {"clearcoat", "metallic-roughness"}},
+      {"SheenCloth/glTF/SheenCloth.gltf", {"metallic-roughness", "sheen"}},
+      {"AnisotropyDiscTest/glTF-Binary/AnisotropyDiscTest.glb", {"anisotropy", "metallic-roughness"}},
+      {"IridescenceSuzanne/glTF-Binary/IridescenceSuzanne.glb",
+       {"iridescence", "metallic-roughness", "transmission", "volume"}},
+      {"DispersionTest/glTF-Binary/DispersionTest.glb", {"dispersion", "metallic-roughness", "transmission", "volume"}},
+      {"SpecGlossVsMetalRough/glTF/SpecGlossVsMetalRough.gltf", {"metallic-roughness", "specular-glossiness"}}};
+  for (const auto& [name, lobes] : files) {
+    const fs::path file = kAssets / "models" / name;
+    if (!fs::exists(file)) continue;
+    Diagnostics diagnostics;
+    const Scene scene = load_gltf(file, diagnostics, LoadOptions{.decode_images = false});
+    EXPECT_TRUE(diagnostics.warnings().empty()) << file;
+    EXPECT_EQ(lobes_of(scene), lobes) << file;
+    for (const Mesh& mesh : scene.meshes) {
+      for (const Primitive& p : mesh.primitives) {
+        const Material& m = scene.materials.at(static_cast<std::size_t>(p.material));
+        EXPECT_TRUE(m.anisotropy == 0.0f || p.tangents.size() == p.positions.size()) << file;
+      }
+    }
+  }
+}
+
+TEST(unit_io_gltf_assets, the_shoe_wears_its_variants) {
+  SKIP_WITHOUT_ASSETS();
+  const fs::path file = kAssets / "models/MaterialsVariantsShoe/glTF/MaterialsVariantsShoe.gltf";
+  if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
+  Diagnostics diagnostics;
+  FileInfo info;
+  load_gltf(file, diagnostics, LoadOptions{.decode_images = false}, &info);
+  ASSERT_EQ(info.variants, (std::vector<std::string>{"midnight", "beach", "street"}));
+  std::set<std::vector<std::uint8_t>> looks;
+  for (const std::string& variant : info.variants) {
+    const Scene scene = load_gltf(file, diagnostics, LoadOptions{.variant = variant});
+    ASSERT_EQ(scene.materials.size(), 1u) << variant;
+    const TextureSlot& slot = scene.materials[0].base_color_texture;
+    ASSERT_TRUE(slot) << variant;
+    const int image = scene.textures.at(static_cast<std::size_t>(slot.texture)).image;
+    looks.insert(scene.images.at(static_cast<std::size_t>(image))->pixels);
+  }
+  EXPECT_EQ(looks.size(), 3u);
+}
+
 TEST(unit_io_gltf_assets, variants_of_a_model_are_the_same_scene) {
   SKIP_WITHOUT_ASSETS();
   const fs::path base = kAssets / "models/BoxTextured";

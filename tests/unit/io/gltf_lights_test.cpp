@@ -106,6 +106,8 @@ TEST(unit_io_gltf_light_extras, what_is_out_of_range_or_unknown_is_told_with_the
   json sun = point_with({{"lumens", 5}});
   sun["type"] = "directional";
   EXPECT_TRUE(load(with_light(sun)).warned("light 'lamp': a directional light has no lumens"));
+  const std::string dark = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 50\n0 90\n0\n0 0\n";
+  EXPECT_TRUE(warned({{"ies", data_uri(dark)}, {"lumens", 5}}, "its profile is dark"));
   EXPECT_FALSE(warned({{"temperature_k", 5000}}, ""));
   for (const json& other : {json("text"), json(1), json::array(), json::object()}) {
     EXPECT_TRUE(load(with_light({{"type", "point"}, {"extras", other}})).warnings.empty());

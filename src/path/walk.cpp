@@ -1,0 +1,130 @@
+#include "path/walk.h"
+
+#include <cmath>
+
+#include "shade/dispersion.glsl.h"
+
+namespace candela::path {
+
+namespace {
+
+constexpr int kMostScatterings = 4096;  // a white body of a million mean free paths keeps light forever
+constexpr int kScatteringsBeforeLoss = 16;
+
+/// One of the three channels, by what each still carries.
+int choose_channel(vec3 weights, float u, vec3& chances) {
+  const float sum = weights.x + weights.y + weights.z;
+  chances = sum > 0.0f ? weights / sum : vec3(1.0f / 3.0f);
+  if (u < chances.x) return 0;
+  return u < chances.x + chances.y ? 1 : 2;
+}
+
+vec3 turn(vec3 direction, float cosine, float u) {
+  const Frame frame = frame_from_normal(direction);
+  const float sine = std::sqrt(std::max(1.0f - cosine * cosine, 0.0f));
+  const float phi = 2.0f * kPi * u;
+  return glm::normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine}));
+}
+
+}  // namespace
+
+float Walk::index_of(const Medium* medium) const {
+  if (medium == nullptr) return 1.0f;
+  if (wavelength_nm_ <= 0.0f || medium->dispersion <= 0.0f) return medium->ior;
+  return shade::dispersion_ior(medium->ior, medium->dispersion, wavelength_nm_);
+}
+
+Crossing Walk::find_crossing(const PathContext& context, const Hit& hit, vec3 direction, float u_wavelength) {
+  const Placement& placement = context.geometry.placement(hit.placement);
+  const MaterialData& material = *placement.mesh->material;
+  Crossing crossing;
+  if (!material.has_medium) return crossing;
+  // A body may be made of several primitives of one node.
+  crossing.body = (static_cast<std::uint64_t>(placement.node + 1) << 32) ^
+                  static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(&material) >> 4);
+  crossing.inside = &material.medium;
+  crossing.is_entering = !is_back_hit(context.geometry, hit, direction);
+  crossing.is_hidden = !crossing.is_entering && media_.holds(crossing.body) && !media_.is_top(crossing.body);
+  const Medium* before = crossing.is_entering || media_.is_top(crossing.body) ? media_.current() : crossing.inside;
+  const Medium* beyond = crossing.is_entering           ? crossing.inside
+                         : media_.is_top(crossing.body) ? media_.below_top()
+                                                        : media_.current();
+  const auto disperses = [](const Medium* m) { return m != nullptr && m->dispersion > 0.0f; };
+  if (!crossing.is_hidden && wavelength_nm_ <= 0.0f && (disperses(before) || disperses(beyond))) {
+    wavelength_nm_ = shade::wavelength_sample(u_wavelength);
+    throughput *= shade::wavelength_weight(wavelength_nm_);
+  }
+  crossing.eta = index_of(beyond) / index_of(before);
+  return crossing;
+}
+
+void Walk::cross(const Crossing& crossing) {
+  if (crossing.body == 0) return;
+  if (crossing.is_entering) {
+    media_.enter(crossing.body, crossing.inside);
+  } else {
+    media_.leave(crossing.body);
+  }
+  if (!crossing.is_hidden) eta_scale *= crossing.eta * crossing.eta;
+}
+
+vec3 Walk::transmittance(const Crossing& crossing, bool is_beyond, float distance) const {
+  MediumStack media = media_;
+  if (is_beyond && crossing.body != 0) {
+    if (crossing.is_entering) {
+      media.enter(crossing.body, crossing.inside);
+    } else {
+      media.leave(crossing.body);
+    }
+  }
+  const Medium* medium = media.current();
+  if (medium == nullptr || !medium->absorbs) return vec3(1.0f);
+  // An open mesh may let light in from infinity.
+  return medium->transmittance(std::min(distance, 1e15f));
+}
+
+bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& sampler, RayCounts& counts,
+                  bool& scattered) {
+  scattered = false;
+  const Medium* medium = media_.current();
+  if (medium == nullptr || !medium->absorbs) return true;
+  const auto next = [&sampler] { return unit_float(sampler.next_hash()); };
+  for (int n = 0; n < kMostScatterings; ++n) {
+    const float surface = std::min(hit ? hit.t : kInfinity, 1e15f);
+    if (!medium->scatters) {
+      throughput *= medium->transmittance(surface);
+      return max_component(throughput) > 0.0f;
+    }
+    // ----- free flight, as one of the channels; each weighs by the mean density of the three (Chiang, Kutz & Burley
+    // 2016, "Practical and Controllable Subsurface Scattering for Production Path Tracing", §5)
+    vec3 chances;
+    const int channel = choose_channel(throughput * medium->albedo, next(), chances);
+    const float sigma = medium->extinction[channel];
+    const float flight = sigma > 0.0f ? -std::log1p(-next()) / sigma : kInfinity;
+    if (flight >= surface) {
+      const vec3 left = medium->transmittance(surface);
+      const float chance = glm::dot(chances, left);
+      throughput *= chance > 0.0f ? left / chance : vec3(0.0f);
+      return max_component(throughput) > 0.0f;
+    }
+    const vec3 left = medium->extinction * medium->transmittance(flight);
+    const float density = glm::dot(chances, left);
+    throughput *= density > 0.0f ? medium->albedo * left / density : vec3(0.0f);
+    if (n >= kScatteringsBeforeLoss) {
+      const float survival = std::min(max_component(throughput) * eta_scale, 0.99f);
+      if (next() >= survival) return false;
+      throughput /= survival;
+    }
+    if (max_component(throughput) <= 0.0f) return false;
+    // ----- a new direction, by the phase function
+    const vec3 position = ray.origin + flight * ray.direction;
+    const float cosine = sample_henyey_greenstein(medium->anisotropy, next());
+    ray = {position, turn(ray.direction, cosine, next())};
+    scattered = true;
+    ++counts.bounce;
+    hit = context.geometry.intersect(ray, sampler.next_hash());
+  }
+  return false;
+}
+
+}  // namespace candela::path

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "path/integrator.h"
+#include "path/medium.h"
+#include "path/surface_point.h"
+
+namespace candela::path {
+
+/// How a ray meets the boundary of a body.
+struct Crossing {
+  std::uint64_t body = 0;  ///< which; 0 = the surface bounds none
+  const Medium* inside = nullptr;
+  bool is_entering = false;
+  bool is_hidden = false;  ///< of a body that another one covers here: nothing happens to light
+  float eta = 1.0f;        ///< index beyond over index before
+};
+
+/// What a path carries through the scene beside its radiance: where it is, and as what colour.
+class Walk {
+ public:
+  vec3 throughput{1.0f};
+  /// η² of all boundaries so far: radiance rises on the way into dense matter and falls on the way out, which says
+  /// nothing about how much a path is worth.
+  float eta_scale = 1.0f;
+
+  /// The boundary that `hit` is. A first dispersive one gives the path a wavelength by `u`.
+  Crossing find_crossing(const PathContext& context, const Hit& hit, vec3 direction, float u_wavelength);
+  /// To the other side.
+  void cross(const Crossing& crossing);
+
+  /// Brings the path through the medium it is in to the next surface, by way of any scattering. False when it is
+  /// absorbed. `scattered` is set when the direction has changed.
+  bool travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& sampler, RayCounts& counts,
+              bool& scattered);
+
+  /// What is left of light from a direction on the near (or far) side of a boundary over `distance`.
+  vec3 transmittance(const Crossing& crossing, bool is_beyond, float distance) const;
+
+ private:
+  float index_of(const Medium* medium) const;
+
+  MediumStack media_;
+  float wavelength_nm_ = 0.0f;  ///< 0 = all
+};
+
+}  // namespace candela::path

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace candela::parity {
+
+/// GLSL text with every include expanded once, where it stands, and where each line came from. (#line would say it to
+/// the compiler, but Mesa's loses the source number within expressions.)
+class GlslSource {
+ public:
+  /// `root` is the folder that includes are relative to. Throws Error for a header that is not there.
+  explicit GlslSource(std::string root);
+
+  void add_header(const std::string& name);
+  /// `name` stands in messages; lines count from 1.
+  void add_text(const std::string& name, const std::string& text);
+  /// The text may be altered, in one place: `from` must occur exactly once, or Error.
+  void replace(const std::string& from, const std::string& to);
+
+  const std::string& text() const { return text_; }
+  /// A compiler's log with "0:345(5): …" turned into "shade/x.glsl.h:12: …".
+  std::string explain(const std::string& log) const;
+
+ private:
+  struct Origin {
+    std::string name;
+    int line = 0;
+  };
+
+  void add_line(const std::string& name, int number, const std::string& line);
+
+  std::string root_;
+  std::string text_;
+  std::set<std::string> headers_;
+  std::vector<Origin> origins_;  ///< of each line of the text
+};
+
+}  // namespace candela::parity
