@@ -109,6 +109,7 @@ SHADE_FN float layers_transmission(SHADE_IN(Surface) s, LayersAt at, vec2 ab) {
 SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   s.model = p.model;
   s.coat = 0.0f;
+  s.coat_normal = vec3(0.0f, 0.0f, 1.0f);
   s.sheen_weight = 0.0f;
   s.sheen = vec3(0.0f);
   s.coat_multiscatter = 0.0f;

@@ -53,7 +53,7 @@ glm::dvec4 integrate_side(const Closure& closure, const std::vector<vec3>& peaks
   }
   QuadratureOptions options;
   options.tolerance = tolerance;
-  if (has_edges) options.min_depth = 10;
+  if (has_edges) options.even_depth = 10;
   return HemisphereQuadrature(f, on_side, options).integral();
 }
 

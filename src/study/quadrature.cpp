@@ -21,6 +21,8 @@ constexpr std::array<double, 4> kWeights8 = {0.362683783378361983, 0.31370664587
 
 // Bisections of one cell: 2⁻⁴⁸ of the hemisphere is beyond single precision.
 constexpr int kMaxDepth = 48;
+// Sixteen cells at least: a look at every side before the first belief.
+constexpr int kMinDepth = 4;
 constexpr double kTau = 2.0 * std::numbers::pi;
 
 glm::dvec2 spherical(glm::vec3 w) {
@@ -111,8 +113,8 @@ bool HemisphereQuadrature::has_unresolved_peak(const Rectangle& r) const {
 std::size_t HemisphereQuadrature::refine(const Rectangle& r, const Estimate& whole, int depth) {
   const bool unresolved = has_unresolved_peak(r);
   const int longer = r.upper.x - r.lower.x >= std::sin(r.upper.x) * (r.upper.y - r.lower.y) ? 0 : 1;
-  Halves halves = split(r, unresolved || depth < options_.min_depth ? longer : whole.axis);
-  bool settled = !unresolved && depth >= options_.min_depth && agrees(whole, halves);
+  Halves halves = split(r, unresolved || depth < options_.even_depth ? longer : whole.axis);
+  bool settled = !unresolved && depth >= std::max(kMinDepth, options_.even_depth) && agrees(whole, halves);
   // A cell may look the same from both halves of one axis and still be wrong along the other.
   if (settled) {
     const Halves across = split(r, 1 - halves.axis);

@@ -15,7 +15,7 @@ struct QuadratureOptions {
   double tolerance = 2e-6;  ///< of one cell, absolute, in every component
   double max_share = 1e30;  ///< cells are split until the w component of each is below: bins for a χ² test
   double peak_size = 0.01;  ///< radians; nearest cells are split down to it before an error is believed
-  int min_depth = 4;        ///< bisections before the first belief: 2^n cells at least; more where there are edges
+  int even_depth = 0;       ///< bisections of longer sides before anything is believed: for edges in the midst
 };
 
 /// Integral over the upper hemisphere (z ≥ 0) with respect to solid angle, by adaptive bisection in (θ, φ) along the

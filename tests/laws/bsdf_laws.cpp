@@ -68,7 +68,7 @@ struct Sphere {
     study::QuadratureOptions options;
     options.tolerance = kCellTolerance;
     options.max_share = max_share;
-    if (is_below && bsdf.eta != 1.0) options.min_depth = 10;
+    if (is_below && bsdf.eta != 1.0) options.even_depth = 10;
     return HemisphereQuadrature(f, peaks, options);
   }
 
