@@ -249,6 +249,7 @@ SHADE_FN float layers_glass_escape_mean(SHADE_IN(Surface) s, float eta) {
 /// parameter.
 SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
   s.glass_escape_o = 0.0f;
+  s.glass_reflected = 0.0f;
   s.glass_multireflect = 0.0f;
   s.glass_multitransmit = vec3(0.0f);
   if (s.is_glass_delta || !s.model.multiscatter) return;
@@ -256,6 +257,7 @@ SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
     float reflected = shade_max3(fresnel_average_schlick(s.glass_f0_tinted, vec3(s.f90_dielectric)));
     float scale = s.weight_glass / (kShadePi * max(s.escape_mean, 1e-6f));
     s.glass_escape_o = s.escape_o;
+    s.glass_reflected = reflected;
     s.glass_multireflect = reflected * scale;
     s.glass_multitransmit = s.glass_tint * ((1.0f - reflected) * scale);
     return;
@@ -265,6 +267,7 @@ SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
   float n2 = s.eta * s.eta;
   float through = there * n2 / (here + there * n2);
   s.glass_escape_o = max(1.0f - table_glass(wo.z, layers_roughness_along(s, wo), s.eta), 0.0f);
+  s.glass_reflected = 1.0f - through;
   s.glass_multireflect = s.weight_glass * (1.0f - through) / (kShadePi * here);
   s.glass_multitransmit = s.glass_tint * (s.weight_glass * through / (kShadePi * there * n2));
 }
@@ -290,11 +293,12 @@ SHADE_FN void layers_chances(vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
   float diffuse = shade_max3(s.diffuse) * s.transmission_o + shade_max3(s.multiscatter) * lost;
   float below = shade_max3(s.diffuse_below) * s.transmission_o;
   float glass = s.weight_glass;
-  if (glass > 0.0f) {
-    // Both are at most the weight of the glass.
+  if (glass > 0.0f && s.glass_escape_o > 0.0f) {
+    // What single scattering loses comes back on either side.
     float share = s.glass_escape_o * s.weight_glass;
-    if (s.glass_multireflect > 0.0f) diffuse += 0.5f * share;
-    if (shade_max3(s.glass_multitransmit) > 0.0f) below += 0.5f * share;
+    glass -= share;
+    diffuse += share * s.glass_reflected;
+    below += share * (1.0f - s.glass_reflected) * shade_max3(s.glass_tint);
   }
   float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
   float sheen = s.sheen_weight * s.sheen_albedo_o;

@@ -104,6 +104,7 @@ struct Surface {
   vec3 glass_f0_tinted;
   vec3 glass_tint;  ///< of what goes through
   float glass_escape_o;
+  float glass_reflected;     ///< share of what single scattering loses that stays on this side
   float glass_multireflect;  ///< as `multiscatter`
   vec3 glass_multitransmit;  ///< and what goes to the other side
   vec3 diffuse_below;        ///< albedo of diffuse transmission, times its weight
