@@ -57,6 +57,7 @@ const std::vector<MemberRow>& member_rows() {
       // A share over what single scattering loses: 1 less an albedo, which leaves smooth surfaces two digits.
       {"Surface.*multi*", 100.0},
       // And that itself.
+      {"Surface.glass_reflected", 100.0},  // a ratio of such
       {"Surface.*escape*", 10.0},
   };
   return kRows;
