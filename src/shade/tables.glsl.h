@@ -27,7 +27,7 @@ SHADE_BEGIN
 
 SHADE_CONST int kTableMu = 32;         // cosines
 SHADE_CONST int kTableRoughness = 32;  // roughnesses
-SHADE_CONST int kTableIndices = 12;     // relative indices of refraction
+SHADE_CONST int kTableIndices = 12;    // relative indices of refraction
 SHADE_CONST int kTableLayers = 14;     // roughnesses of a layer
 SHADE_CONST int kTableLobes = 24;      // roughnesses of, and cosines at, a lobe below a layer
 SHADE_CONST int kTableWidths = 14;     // roughnesses along either axis of an anisotropic lobe, and cosines
