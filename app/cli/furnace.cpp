@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "base/parallel.h"
 #include "cli/output.h"
@@ -22,6 +23,12 @@ using Json = nlohmann::ordered_json;
 
 std::string percent(double deviation) { return fmt::format("{:+.2f} %", 100.0 * deviation); }
 
+/// Of the models that engines and texts use nothing is promised but finite numbers.
+std::string_view promise_text(const study::MatrixRow& row) {
+  if (!row.holds) return "BROKEN";
+  return row.promise.gain < 1.0 ? "kept" : "exempt";
+}
+
 std::string matrix_text(const std::vector<study::MatrixRow>& matrix) {
   std::string text = fmt::format("{:<58} {:>11} {:>10} {:>10} {:>8} {:>10}  {}\n", "surface", "reciprocity",
                                  "furnace -", "furnace +", "pdf", "not finite", "promise");
@@ -31,7 +38,7 @@ std::string matrix_text(const std::vector<study::MatrixRow>& matrix) {
     const study::Measurement& m = row.worst;
     text += fmt::format("{:<58} {:>11.0e} {:>10} {:>10} {:>8.0e} {:>10}  {}\n", row.group, m.reciprocity,
                         percent(m.furnace.least - 1.0), percent(m.furnace.most - 1.0), m.pdf, m.flaws.count,
-                        row.holds ? "kept" : "BROKEN");
+                        promise_text(row));
     if (!row.holds) ++broken;
     surfaces += row.surfaces;
   }

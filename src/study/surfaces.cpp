@@ -249,6 +249,8 @@ void add_combinations(Table& table) {
       // Two at a time and more: the factors of each are exact alone, and their product is not. Films on dielectrics are
       // known to the tables by what they reflect at normal incidence, streaks on bodies by a round lobe.
       Promise promise{true, true, 0.02, 0.015};
+      // Seen from within, what a layer on a body would send back is lost.
+      if ((has_sheen || has_coat) && has_glass && !p.is_thin) promise.loss = 0.05;
       if (has_sheen && has_coat) promise.loss = 0.075;
       if (has_film && !is_metal) promise.gain = 0.04;
       if (has_film && !is_metal) promise.loss = 0.1;
