@@ -39,8 +39,8 @@ struct Film {
 /// Of the pixels of a film with these layers, the picture included.
 std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers);
 
-/// Writes 32-bit float EXR, compressed without loss: R,G,B,A of the beauty, and each layer as `name.R` … (`depth.Z`, `id.Y`).
-/// The alpha channel is left out when every pixel is opaque. Throws Error where the path cannot be written.
+/// Writes 32-bit float EXR, compressed without loss: R,G,B,A of the beauty, and each layer as `name.R` … (`depth.Z`,
+/// `id.Y`). The alpha channel is left out when every pixel is opaque. Throws Error where the path cannot be written.
 void write_exr(const std::filesystem::path& path, const Film& film);
 
 }  // namespace candela

@@ -26,7 +26,7 @@ void record_first_surface(const SurfacePoint& point, PathSample& sample) {
   sample.normal = point.frame.n;
   sample.albedo = point.is_unlit || max_component(point.emission) > 0.0f
                       ? vec3(1.0f)
-                      : glm::min(shade::surface_albedo(point.surface, point.wo.z), vec3(1.0f));
+                      : glm::min(shade::surface_albedo(point.surface), vec3(1.0f));
 }
 
 /// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance.

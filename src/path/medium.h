@@ -51,8 +51,8 @@ class MediumStack {
  private:
   static constexpr std::size_t kMost = 8;  // a ninth body inside eight others is as good as air
   struct Entry {
-    std::uint64_t body = 0;
-    const Medium* medium = nullptr;
+    std::uint64_t body;
+    const Medium* medium;
   };
   int find(std::uint64_t body) const {
     for (std::size_t i = count_; i > 0; --i) {
@@ -61,7 +61,7 @@ class MediumStack {
     return -1;
   }
 
-  std::array<Entry, kMost> entries_;
+  std::array<Entry, kMost> entries_;  ///< the first count_ hold something
   std::size_t count_ = 0;
 };
 

@@ -15,6 +15,8 @@
 // Structs too large to copy: read only, and filled in place.
 #define SHADE_IN(Type) const Type&
 #define SHADE_INOUT(Type) Type&
+// Kept out of its callers, so that what most surfaces never need does not crowd what they do.
+#define SHADE_APART [[gnu::noinline]]
 
 namespace candela::shade {
 
@@ -61,6 +63,7 @@ using glm::tan;
 #define SHADE_CONST const
 #define SHADE_IN(Type) Type
 #define SHADE_INOUT(Type) inout Type
+#define SHADE_APART
 #endif
 
 SHADE_BEGIN

@@ -66,11 +66,9 @@ SHADE_FN vec3 surface_straight(SHADE_IN(Surface) s, vec3 wo) {
 }
 
 /// Reflectance estimate for the film's albedo layer: what a denoiser should divide out.
-SHADE_FN vec3 surface_albedo(SHADE_IN(Surface) s, float cos_theta_o) {
-  vec3 specular =
-      base_specular_albedo(s, table_ggx(cos_theta_o, s.row)) + s.multiscatter * (s.escape_o * kShadePi * s.escape_mean);
-  if (s.lobes != 0) return layers_albedo(s, specular);
-  return s.diffuse * s.transmission_o + specular;
+SHADE_FN vec3 surface_albedo(SHADE_IN(Surface) s) {
+  if (s.lobes != 0) return layers_albedo(s, s.specular_albedo_o);
+  return s.diffuse * s.transmission_o + s.specular_albedo_o;
 }
 
 /// What is left of emission on its way out through the layers above the base.

@@ -78,9 +78,15 @@ SHADE_FN void base_energy(vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
   s.escape_o = s.is_mirror ? 0.0f : base_escape(ab);
 
   // ----- multiple scattering between facets, of each material before they are mixed
-  vec3 share_dielectric = multiscatter_share3(schlick_mean(s.f0_dielectric, s.f90_dielectric), 1.0f - s.escape_mean);
-  vec3 share_metal = multiscatter_share3(schlick_mean(s.f0_metal, 1.0f), 1.0f - s.escape_mean);
-  vec3 share = s.weight_dielectric * share_dielectric + s.weight_metal * share_metal;
+  vec3 share_dielectric = vec3(0.0f);
+  vec3 share = vec3(0.0f);
+  if (s.weight_metal < 1.0f) {
+    share_dielectric = multiscatter_share3(schlick_mean(s.f0_dielectric, s.f90_dielectric), 1.0f - s.escape_mean);
+    share = s.weight_dielectric * share_dielectric;
+  }
+  if (s.weight_metal > 0.0f) {
+    share += s.weight_metal * multiscatter_share3(schlick_mean(s.f0_metal, 1.0f), 1.0f - s.escape_mean);
+  }
   s.multiscatter = share * (1.0f / (kShadePi * max(s.escape_mean, 1e-6f)));
 
   // ----- the diffuse layer below the boundary: ρ/π T(wo) T(wi) / T_mean returns exactly what the boundary lets in
@@ -91,7 +97,9 @@ SHADE_FN void base_energy(vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
   s.diffuse_scale = 1.0f / max(base_transmission(s, mean), 1e-6f);
 
   // ----- chances by estimated albedo
-  float specular = shade_max3(base_specular_albedo(s, ab));
+  vec3 single = base_specular_albedo(s, ab);
+  s.specular_albedo_o = single + share * s.escape_o;
+  float specular = shade_max3(single);
   float diffuse = shade_max3(s.diffuse) * s.transmission_o + shade_max3(share) * s.escape_o;
   float total = specular + diffuse;
   // At least a tenth for whichever lobe exists at all, so that no weight explodes where the estimate is off.

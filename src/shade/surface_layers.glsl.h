@@ -62,7 +62,7 @@ SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, float coat_mu, float mu
   return at;
 }
 
-SHADE_FN LayersAt layers_at(SHADE_IN(Surface) s, vec3 w) {
+SHADE_APART SHADE_FN LayersAt layers_at(SHADE_IN(Surface) s, vec3 w) {
   return layers_at_cosines(s, layers_coat_cosine(s, w), abs(w.z), layers_roughness_along(s, w));
 }
 
@@ -106,7 +106,7 @@ SHADE_FN float layers_transmission(SHADE_IN(Surface) s, LayersAt at, vec2 ab) {
 // ----- preparation
 
 /// Matter: colours, films, widths. Between base_matter and base_energy.
-SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
+SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   s.model = p.model;
   s.coat = 0.0f;
   s.coat_normal = vec3(0.0f, 0.0f, 1.0f);
@@ -333,7 +333,7 @@ SHADE_FN void layers_chances(vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
 }
 
 /// After base_energy: the layers, and with them the shares of light and samples.
-SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
+SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
   if (!s.model.multiscatter) s.multiscatter = vec3(0.0f);
   if ((s.lobes & kLobeClearcoat) != 0) layers_prepare_coat(p, wo, s);
   if ((s.lobes & kLobeSheen) != 0) layers_prepare_sheen(p, s);
@@ -426,7 +426,7 @@ SHADE_FN vec3 layers_eval_sheen(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt 
   return s.sheen * (share * charlie_d(wm, s.sheen_alpha) * charlie_v(wo, wi, s.sheen_alpha) * wi.z);
 }
 
-SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
+SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
   SurfaceEval r;
   vec3 wm = wo + wi;
   float cos_m = 0.5f * length(wm);
@@ -475,7 +475,7 @@ SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
 }
 
 /// Light from the other side: wi.z < 0.
-SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
+SHADE_APART SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
   SurfaceEval r;
   float cos_i = -wi.z;
   vec2 ab = layers_ggx(s, wi);
@@ -516,7 +516,7 @@ SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, La
   return r;
 }
 
-SHADE_FN SurfaceEval layers_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
+SHADE_APART SHADE_FN SurfaceEval layers_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   SurfaceEval r;
   r.value = vec3(0.0f);
   r.pdf = 0.0f;
@@ -531,7 +531,7 @@ SHADE_FN SurfaceEval layers_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
 // ----- sampling
 
 /// Weight over its chance of the delta lobe that goes straight through a smooth sheet.
-SHADE_FN vec3 layers_straight(SHADE_IN(Surface) s, vec3 wo) {
+SHADE_APART SHADE_FN vec3 layers_straight(SHADE_IN(Surface) s, vec3 wo) {
   if (!s.is_thin || !s.is_mirror || s.weight_glass <= 0.0f) return vec3(0.0f);
   float across =
       s.model.literal_layers ? s.coat_over_o * s.sheen_over_o : layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
@@ -586,7 +586,7 @@ SHADE_FN vec3 uniform_hemisphere_sample(vec2 u) {
   return vec3(r * cos(phi), r * sin(phi), u.x);
 }
 
-SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, vec3 u) {
+SHADE_APART SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, vec3 u) {
   SurfaceSample r = surface_no_sample(wo);
   vec2 u2 = vec2(u.x, u.y);
   vec3 wi = vec3(0.0f);
@@ -638,7 +638,7 @@ SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, vec3 u) {
 }
 
 /// Estimated albedo of everything; `specular` that of the base's facets.
-SHADE_FN vec3 layers_albedo(SHADE_IN(Surface) s, vec3 specular) {
+SHADE_APART SHADE_FN vec3 layers_albedo(SHADE_IN(Surface) s, vec3 specular) {
   float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
   return (s.diffuse + s.diffuse_below) * s.transmission_o + (specular + s.glass_tint * s.weight_glass) * through +
          s.sheen * s.sheen_albedo_o + vec3(s.coat * s.coat_albedo_o);

@@ -71,13 +71,14 @@ struct Surface {
   TableCell row;   ///< of `roughness` in the tables of GGX
 
   // ----- energy: what single scattering loses, and what the boundary lets through
-  float escape_mean;      ///< 1 - mean albedo of single scattering between white facets
-  float escape_o;         ///< 1 - that albedo at wo
-  vec3 multiscatter;      ///< reflected share of what is lost / (π escape_mean)
-  float boundary_f0;      ///< of the dielectric boundary above the diffuse layer, strongest channel
-  float boundary_escape;  ///< its share of multiply scattered light
-  float transmission_o;   ///< of everything above the diffuse layer at wo
-  float diffuse_scale;    ///< 1 / its cosine-weighted mean
+  float escape_mean;       ///< 1 - mean albedo of single scattering between white facets
+  float escape_o;          ///< 1 - that albedo at wo
+  vec3 multiscatter;       ///< reflected share of what is lost / (π escape_mean)
+  vec3 specular_albedo_o;  ///< of the opaque facets at wo, multiple scattering included
+  float boundary_f0;       ///< of the dielectric boundary above the diffuse layer, strongest channel
+  float boundary_escape;   ///< its share of multiply scattered light
+  float transmission_o;    ///< of everything above the diffuse layer at wo
+  float diffuse_scale;     ///< 1 / its cosine-weighted mean
 
   // ----- chances of the lobes to be sampled; they add to 1 where there is anything
   float chance_specular;

@@ -152,7 +152,8 @@ SHADE_FN float film_channel(FilmBoundary s, FilmBoundary p, float cos2, vec2 eta
 /// Unpolarised reflectance of a film of index `eta2` and `thickness_nm` between a dielectric of index `eta1`, where
 /// `cos_theta1` ≥ 0 is measured, and a substrate of index n + ik per channel. In [0, 1]: what lies outside the gamut of
 /// Rec.709 is cut. Total reflection at the film returns 1, so light does not tunnel through it.
-SHADE_FN vec3 thin_film_conductor(float cos_theta1, float eta1, float eta2, vec3 n, vec3 k, float thickness_nm) {
+SHADE_APART SHADE_FN vec3 thin_film_conductor(float cos_theta1, float eta1, float eta2, vec3 n, vec3 k,
+                                              float thickness_nm) {
   // KHR_materials_iridescence: a film below 0.03 nm is no film.
   float film_eta = mix(eta1, eta2, smoothstep(0.0f, 0.03f, thickness_nm));
   float cos1 = shade_saturate(cos_theta1);
@@ -176,7 +177,8 @@ SHADE_FN vec3 thin_film_conductor(float cos_theta1, float eta1, float eta2, vec3
 
 /// The same on a dielectric of reflectance `f0_base` at normal incidence from the outside, as KHR_materials_iridescence
 /// has it: the substrate's index follows from F0, without absorption. Below 0.9999, where the index would be infinite.
-SHADE_FN vec3 thin_film_fresnel(float cos_theta1, float eta1, float eta2, vec3 f0_base, float thickness_nm) {
+SHADE_APART SHADE_FN vec3 thin_film_fresnel(float cos_theta1, float eta1, float eta2, vec3 f0_base,
+                                            float thickness_nm) {
   vec3 root = sqrt(clamp(f0_base, vec3(0.0f), vec3(0.9999f)));
   vec3 n = (vec3(1.0f) + root) / (vec3(1.0f) - root) * eta1;
   return thin_film_conductor(cos_theta1, eta1, eta2, n, vec3(0.0f), thickness_nm);
@@ -186,7 +188,7 @@ SHADE_FN vec3 thin_film_fresnel(float cos_theta1, float eta1, float eta2, vec3 f
 /// without it is up to 0.49 darker towards grazing than Schlick's curve. Here it has the n and k of Gulbrandsen 2014,
 /// "Artist Friendly Metallic Fresnel", eq. 12 and 15, with the edge tint g = 1 - (1 - F0)^2.5 that follows Schlick's
 /// curve closest; g of measured silver, gold, copper and aluminium is 0.92 to 1.
-SHADE_FN vec3 thin_film_metal(float cos_theta1, float eta1, float eta2, vec3 f0_base, float thickness_nm) {
+SHADE_APART SHADE_FN vec3 thin_film_metal(float cos_theta1, float eta1, float eta2, vec3 f0_base, float thickness_nm) {
   vec3 f0 = clamp(f0_base, vec3(0.0f), vec3(0.9999f));
   vec3 t = vec3(1.0f) - f0;
   vec3 root = sqrt(f0);
