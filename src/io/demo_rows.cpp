@@ -319,6 +319,7 @@ Scene make_row(const Row& row) {
 
 std::vector<DemoInfo> row_demos() {
   std::vector<DemoInfo> list;
+  list.reserve(std::size(kRows));
   for (const Row& row : kRows) list.push_back({row.name, row.description});
   return list;
 }

@@ -130,7 +130,7 @@ void MaterialReader::ignore_texture(const JsonView& owner, const char* key) {
 }
 
 std::optional<JsonView> MaterialReader::layer(const char* name) {
-  const auto extension = json_.extension(name);
+  auto extension = json_.extension(name);
   if (!extension || winner_ == nullptr) return extension;
   warn(fmt::format("{} is ignored beside {}", name, winner_), *extension);
   return std::nullopt;
