@@ -46,7 +46,7 @@ TEST(unit_image_develop, without_dither_every_curve_is_rounded_from_the_shared_f
       for (int x = 0; x < 64; ++x) {
         const vec3 shown = shade::tone_map(static_cast<int>(curve), film.beauty.rgb(x, y) * 0.7f);
         const vec3 exact = shade::srgb_encode(shown) * 255.0f;
-        const std::uint8_t* p = image.rgba.data() + (y * 64 + x) * 4;
+        const std::uint8_t* p = &image.rgba[static_cast<std::size_t>(4 * (y * 64 + x))];
         // The table may only move a value across a rounding limit that it lies on.
         for (int c = 0; c < 3; ++c) ASSERT_NEAR(static_cast<float>(p[c]), exact[c], 0.5f + 5e-4f);
         ASSERT_EQ(p[3], 255);

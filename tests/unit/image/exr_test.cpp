@@ -155,8 +155,7 @@ void write_halves(File& file, const Box2i& data) {
   std::vector<half> pixels;
   for (int y = data.min.y; y <= data.max.y; ++y)
     for (int x = data.min.x; x <= data.max.x; ++x)
-      for (int c = 0; c < 3; ++c)
-        pixels.push_back(half(static_cast<float>(20 * y + x) + 0.25f * static_cast<float>(c)));
+      for (int c = 0; c < 3; ++c) pixels.emplace_back(static_cast<float>(20 * y + x) + 0.25f * static_cast<float>(c));
   Imf::FrameBuffer frame;
   const char* const names[] = {"R", "G", "B"};
   for (std::size_t c = 0; c < 3; ++c)

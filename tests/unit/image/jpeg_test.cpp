@@ -26,7 +26,7 @@ Bytes encode(const std::vector<unsigned char>& pixels, TJPF format, int subsampl
   unsigned char* data = nullptr;
   unsigned long size = 0;
   EXPECT_EQ(tjCompress2(handle, pixels.data(), kWidth, 0, kHeight, format, &data, &size, subsampling, 95, flags), 0);
-  const Bytes bytes(reinterpret_cast<std::byte*>(data), reinterpret_cast<std::byte*>(data) + size);
+  Bytes bytes(reinterpret_cast<std::byte*>(data), reinterpret_cast<std::byte*>(data) + size);
   tjFree(data);
   tjDestroy(handle);
   return bytes;
@@ -49,7 +49,7 @@ void expect_smooth_picture(const Bytes& bytes, bool grey) {
   EXPECT_FALSE(image.has_alpha);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      const std::uint8_t* p = image.pixels.data() + (y * kWidth + x) * 4;
+      const std::uint8_t* p = &image.pixels[static_cast<std::size_t>(4 * (y * kWidth + x))];
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(p[c], smooth(x, y, grey ? 0 : c), 6) << x << ' ' << y << ' ' << c;
       ASSERT_EQ(p[3], 255);
     }
@@ -77,8 +77,9 @@ TEST(unit_image_jpeg, inks_become_light) {
   const TextureImage image = decode_texture(encode(inks, TJPF_CMYK, TJSAMP_444), "t");
   EXPECT_FALSE(image.has_alpha);
   for (int i = 0; i < kWidth * kHeight; ++i) {
+    const int x = i % kWidth, y = i / kWidth;
     for (int c = 0; c < 3; ++c)
-      ASSERT_NEAR(image.pixels[static_cast<std::size_t>(i * 4 + c)], smooth(i % kWidth, i / kWidth, c) * 128 / 255, 6);
+      ASSERT_NEAR(image.pixels[static_cast<std::size_t>(i * 4 + c)], smooth(x, y, c) * 128 / 255.0, 6);
     ASSERT_EQ(image.pixels[static_cast<std::size_t>(i * 4 + 3)], 255);
   }
 }
@@ -120,7 +121,7 @@ TEST(unit_image_jpeg, sizes_that_cannot_be_are_refused_before_the_pixels_are_all
 
 TEST(unit_image_jpeg, writing_composes_over_black_in_linear_light) {
   const test::TempFolder folder;
-  DisplayImage image{16, 16, std::vector<std::uint8_t>(16 * 16 * 4, 200)};
+  DisplayImage image{16, 16, std::vector<std::uint8_t>(1024, 200)};
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 128;
   write_jpeg(folder / "a.jpg", image);
   const float half = shade::srgb_decode_channel(200.0f / 255.0f) * 128.0f / 255.0f;

@@ -145,7 +145,7 @@ TEST(unit_image_png, every_kind_decodes_to_what_the_specification_says) {
     ASSERT_EQ(image.pixels.size(), static_cast<std::size_t>(kWidth * kHeight * 4 * image.bits / 8));
     const int per_pixel = samples_per_pixel(kind.color);
     for (int i = 0; i < kWidth * kHeight; ++i) {
-      const auto expected = expected_texel(kind, samples.data() + i * per_pixel);
+      const auto expected = expected_texel(kind, &samples[static_cast<std::size_t>(i * per_pixel)]);
       for (int c = 0; c < 4; ++c) {
         std::uint16_t wide = 0;
         const auto at = static_cast<std::size_t>(i * 4 + c);

@@ -12,7 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 std::vector<std::byte> patched(std::vector<std::byte> bytes, std::size_t offset, std::uint32_t word) {
   std::memcpy(bytes.data() + offset, &word, sizeof word);

@@ -80,7 +80,7 @@ inline std::vector<Builder> seed_files() {
   attributes["COLOR_0"] =
       skinned.accessor(std::vector<std::uint16_t>{0, 0, 0, 13107, 65535, 0, 0, 0, 0}, "VEC3", 5123, 3, true);
   std::vector<float> matrices(32, 0.0f);
-  for (const std::size_t i : {0, 5, 10, 15, 16, 21, 26, 31}) matrices[i] = 1;
+  for (const std::size_t i : {0U, 5U, 10U, 15U, 16U, 21U, 26U, 31U}) matrices[i] = 1;
   skinned.root["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", skinned.floats(matrices, "MAT4", 16)}}};
   primitive(skinned)["targets"] = {{{"POSITION", skinned.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1})}},
                                    {{"NORMAL", skinned.vec3s({0, 1, 0, 0, 1, 0, 0, 1, 0})}}};

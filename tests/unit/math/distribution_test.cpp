@@ -33,8 +33,8 @@ std::vector<Named> weight_tables() {
                                {"huge", {1e37f, 3e37f, 0.0f, 2e37f}},
                                {"denormal", {1e-42f, 0.0f, 3e-42f}}};
   Pcg32 random(1);
-  std::vector<float> many;
-  for (int i = 0; i < 1000; ++i) many.push_back(i % 7 == 0 ? 0.0f : random.next_float() * random.next_float());
+  std::vector<float> many(1000);
+  for (std::size_t i = 0; i < many.size(); ++i) many[i] = i % 7 == 0 ? 0.0f : random.next_float() * random.next_float();
   tables.push_back({"a thousand", many});
   many[500] = 1e4f;
   tables.push_back({"a sun among a thousand", many});
@@ -44,6 +44,7 @@ std::vector<Named> weight_tables() {
 std::vector<double> expected_counts(const std::vector<float>& weights, double samples) {
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   std::vector<double> expected;
+  expected.reserve(weights.size());
   for (const float w : weights) expected.push_back(static_cast<double>(w) / total * samples);
   return expected;
 }

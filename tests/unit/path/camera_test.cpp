@@ -133,7 +133,7 @@ vec2 aperture_point(const path::Camera& camera, vec2 u, float radius) {
 TEST(unit_path_camera, round_aperture_is_sampled_uniformly) {
   const path::Camera camera(lens_view(0.3f, 2.0f), kSize, kSize);
   Pcg32 random(2);
-  std::vector<double> observed(8 * 16, 0.0);
+  std::vector<double> observed(128, 0.0);  // 8 × 16 cells
   constexpr int kSamples = 50000;
   for (int i = 0; i < kSamples; ++i) {
     const vec2 p = aperture_point(camera, random.next_vec2(), 0.3f);
@@ -159,8 +159,8 @@ bool is_in_polygon(vec2 p, int corners, float slack) {
 TEST(unit_path_camera, bladed_aperture_is_sampled_uniformly_inside_its_polygon) {
   for (const int blades : {3, 5, 6, 9}) {
     const path::Camera camera(lens_view(0.3f, 2.0f, blades), kSize, kSize);
-    constexpr int kGrid = 10, kSamples = 100000, kFine = 40;
-    std::vector<double> observed(kGrid * kGrid, 0.0), expected(kGrid * kGrid, 0.0);
+    constexpr int kGrid = 10, kCells = kGrid * kGrid, kSamples = 100000, kFine = 40;
+    std::vector<double> observed(kCells, 0.0), expected(kCells, 0.0);
     const auto cell = [](vec2 p) {
       const ivec2 i = glm::clamp(ivec2(glm::floor((p + 1.0f) * (0.5f * kGrid))), ivec2(0), ivec2(kGrid - 1));
       return static_cast<std::size_t>(i.y * kGrid + i.x);

@@ -18,10 +18,10 @@ using path::RayPacket;
 
 /// From in front of the scene, spread over it and beyond.
 Ray ray_of_lane(int lane) {
+  const int column = lane % 4 - 2, row = lane / 4 - 2;
   Ray ray;
   ray.origin = {0.1f, 0.2f, 4.0f};
-  ray.direction =
-      glm::normalize(vec3(0.12f * static_cast<float>(lane % 4 - 2), 0.1f * static_cast<float>(lane / 4 - 2), -1.0f));
+  ray.direction = glm::normalize(vec3(0.12f * static_cast<float>(column), 0.1f * static_cast<float>(row), -1.0f));
   return ray;
 }
 

@@ -33,9 +33,9 @@ class Oddities {
 };
 
 int random_texture(SceneBuilder& b, Oddities& o) {
-  std::vector<std::uint8_t> rgba;
-  for (int i = 0; i < 3 * 2 * 4; ++i)
-    rgba.push_back(static_cast<std::uint8_t>(o.chance(0.3f) ? 0 : o.chance(0.3f) ? 255 : o.below(256)));
+  std::vector<std::uint8_t> rgba(24);
+  for (std::uint8_t& code : rgba)
+    code = static_cast<std::uint8_t>(o.chance(0.3f) ? 0 : o.chance(0.3f) ? 255 : o.below(256));
   return b.add_texture(3, 2, rgba, o.chance(0.5f) ? Filter::linear : Filter::nearest,
                        o.chance(0.5f) ? Wrap::repeat : Wrap::mirrored_repeat);
 }
@@ -78,7 +78,7 @@ Primitive random_shape(Oddities& o) {
       break;
     default:  // a needle, and a triangle without area
       p = quad({-1, 0, 0}, {2, 0, 0}, {0, 1e-6f, 0});
-      p.triangles.push_back({0, 0, 1});
+      p.triangles.emplace_back(0, 0, 1);
   }
   if (o.chance(0.2f)) {
     for (vec3& n : p.normals) n = o.direction();  // nothing to do with the facets

@@ -230,7 +230,7 @@ TEST(unit_path_settings, stop_flag_leaves_a_complete_picture) {
 
 // ----- callbacks
 
-std::vector<path::Progress> progress_of(path::Settings s) {
+std::vector<path::Progress> progress_of(const path::Settings& s) {
   std::vector<path::Progress> seen;
   path::Callbacks callbacks;
   const auto thread = std::this_thread::get_id();

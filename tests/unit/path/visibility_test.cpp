@@ -14,7 +14,7 @@ using namespace test;
 // ----- backs
 
 /// A square in z = 0 that turns its back to the camera, in front of a wall that glows with 2.
-Image back_of(Material material) {
+Image back_of(const Material& material) {
   SceneBuilder b;
   b.add(turned_inside_out(quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})), material);
   b.add(quad({-5, -5, -2}, {10, 0, 0}, {0, 10, 0}), lamp(vec3(2.0f)));

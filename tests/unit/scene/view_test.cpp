@@ -21,6 +21,7 @@ vec3 project(const View& view, float aspect, vec3 p) {
 
 std::vector<vec3> corners(const Box3& box) {
   std::vector<vec3> result;
+  result.reserve(8);
   for (int i = 0; i < 8; ++i)
     result.emplace_back(i & 1 ? box.upper.x : box.lower.x, i & 2 ? box.upper.y : box.lower.y,
                         i & 4 ? box.upper.z : box.lower.z);
