@@ -19,7 +19,8 @@ ALLOWED = {
     "scene": {"image", "math", "base", "shade"},
     "io": {"scene", "image", "math", "base"},
     "path": {"scene", "shade", "image", "math", "base"},
-    "study": {"path", "scene", "shade", "image", "math", "base"},
+    "ibl": {"scene", "shade", "image", "math", "base"},
+    "study": {"ibl", "path", "scene", "shade", "image", "math", "base"},
     "candela": {"path", "io", "scene", "image", "math", "base"},
 }
 
@@ -40,6 +41,7 @@ THIRD_PARTY = {
     "tbb/": {"base", "path"},
     "turbojpeg.h": {"image"},
     "zlib.h": {"image"},
+    "zstd.h": {"image"},
 }
 PUBLIC = ("glm/",)
 FREE = {"tests", "examples", "bench"}  # may use GoogleTest and whatever else they need
