@@ -25,11 +25,11 @@ SHADE_BEGIN
 
 // ----- what lies where
 
-SHADE_CONST int kTableMu = 32;         // cosines
-SHADE_CONST int kTableRoughness = 32;  // roughnesses
-SHADE_CONST int kTableIndices = 12;    // relative indices of refraction
-SHADE_CONST int kTableLayers = 14;     // roughnesses of a layer
-SHADE_CONST int kTableLobes = 24;      // roughnesses of, and cosines at, a lobe below a layer
+SHADE_CONST int kTableMu = 40;         // cosines
+SHADE_CONST int kTableRoughness = 40;  // roughnesses
+SHADE_CONST int kTableIndices = 16;    // relative indices of refraction
+SHADE_CONST int kTableLayers = 24;     // roughnesses of a layer
+SHADE_CONST int kTableLobes = 32;      // roughnesses of, and cosines at, a lobe below a layer
 SHADE_CONST int kTableWidths = 14;     // roughnesses along either axis of an anisotropic lobe, and cosines
 SHADE_CONST int kTableAzimuths = 5;    // azimuths, by the roughness along them
 

@@ -86,6 +86,7 @@ Bsdf real_bsdf(const SurfaceParams& params) {
     if ((params.lobes & shade::kLobeTransmission) != 0) {
       const vec3 bent = shade::microfacet_refract(wo, vec3(0.0f, 0.0f, 1.0f), is_bent ? params.eta : 1.0f);
       if (bent != vec3(0.0f)) peaks.push_back(bent);
+      if (is_bent) peaks.push_back(-wo);  // where media hardly differ, light seen at grazing angles hardly bends
     }
     return peaks;
   };

@@ -143,10 +143,10 @@ void add_plain(Table& table) {
 void add_layers(Table& table) {
   for (const float metallic : {0.0f, 1.0f}) {
     const std::string matter = metallic > 0.0f ? " on metal" : " on dielectric";
-    for (const float roughness : {0.0f, 0.2f, 0.5f, 1.0f}) {
+    for (const float roughness : {0.0f, 0.1f, 0.2f, 0.5f, 1.0f}) {
       SurfaceParams p = white(metallic);
       with_coat(p, roughness);
-      table.add("coat of roughness " + number(roughness) + matter, p, {true, true, 0.005, 0.008}, true);
+      table.add("coat of roughness " + number(roughness) + matter, p, {}, true);
     }
     for (const float roughness : {0.0f, 0.2f, 0.5f, 1.0f}) {
       SurfaceParams p = white(metallic);
@@ -171,7 +171,7 @@ void add_matter(Table& table) {
     for (std::size_t i = 1; i < kGlasses.size(); ++i) {
       SurfaceParams p = white(0.0f);
       with_glass(p, kGlasses[i], ior);
-      table.add(std::string(kGlassNames[i]) + " of index " + number(ior), p, {true, true, 0.008, 0.005}, true);
+      table.add(std::string(kGlassNames[i]) + " of index " + number(ior), p, {}, true);
     }
   }
   for (const float strength : {0.3f, 1.0f}) {

@@ -59,6 +59,9 @@ int pdf_integrates_to_one_tests();
 Verdict sampling_follows_pdf(const Bsdf& bsdf, const Trial& trial);
 int sampling_follows_pdf_tests();
 
+/// The pdf at a direction is Σ 1 / |∂wi/∂u| over all random numbers u that lead there, by numerical derivatives.
+Verdict pdf_is_inverse_jacobian(const Bsdf& bsdf, const Trial& trial);
+
 /// sample's weight is eval / pdf and its pdf is eval's pdf.
 Verdict weight_is_eval_over_pdf(const Bsdf& bsdf, const Trial& trial);
 

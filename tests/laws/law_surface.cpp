@@ -14,6 +14,9 @@ bool is_opaque(const NamedSurface& row) {
   return (row.params.lobes & (shade::kLobeTransmission | shade::kLobeDiffuseTransmission)) == 0;
 }
 
+// Not so smooth that no derivative can be taken.
+bool is_rough(const NamedSurface& row) { return row.is_core && row.params.roughness >= 0.3f; }
+
 TEST(law_surface, reciprocity) { expect_law(rows(1, is_any), reciprocity); }
 TEST(law_surface, reciprocity_catches_mutants) {
   expect_mutants_caught(rows(1, is_core), reciprocity, reciprocity_mutants(), 1, 100);
@@ -42,6 +45,11 @@ TEST(law_surface, sampling_follows_pdf) {
 }
 TEST(law_surface, sampling_catches_mutants) {
   expect_mutants_caught(rows(1, is_core), sampling_follows_pdf, sampling_mutants(), sampling_follows_pdf_tests(), 8);
+}
+
+TEST(law_surface, pdf_is_inverse_jacobian_of_sampling) { expect_law(rows(3, is_core), pdf_is_inverse_jacobian); }
+TEST(law_surface, inverse_jacobian_catches_mutants) {
+  expect_mutants_caught(rows(1, is_rough), pdf_is_inverse_jacobian, density_mutants(), 1, 4);
 }
 
 TEST(law_surface, weight_is_eval_over_pdf) { expect_law(rows(1, is_any), weight_is_eval_over_pdf); }

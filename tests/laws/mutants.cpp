@@ -361,6 +361,21 @@ std::vector<Mutant> sampling_mutants() {
       {"refraction by the inverse index", refracts_inversely, is_rough_body}};
 }
 
+std::vector<Mutant> density_mutants() {
+  const auto refracted_as_reflected = [](const Surface& s, vec3 wo, vec3 wi) {
+    SurfaceEval e = shade::surface_eval(s, wo, wi);
+    if (wi.z >= 0.0f) return e;
+    const vec3 wm = shade::microfacet_half_refract(wo, wi, s.eta);
+    e.pdf /= 4.0f * dot(wo, wm) * shade::microfacet_refract_jacobian(dot(wo, wm), dot(wi, wm), s.eta);
+    return e;
+  };
+  return {eval_mutant("pdf times 1.03", scaled_pdf, is_plain),
+          eval_mutant("Jacobian without its 4", four_missing_in_pdf, is_rough_metal),
+          eval_mutant("Jacobian of reflection for refraction", refracted_as_reflected, is_rough_body),
+          eval_mutant("pdf of layers times 1.03", scaled_pdf,
+                      [](const SurfaceParams& p) { return (p.lobes & shade::kLobeClearcoat) != 0; })};
+}
+
 std::vector<Mutant> weight_mutants() {
   const auto off = [](const SurfaceParams& p) {
     return with_sample(p, [](const Surface&, vec3, SurfaceSample& r) { r.weight *= 1.001f; });

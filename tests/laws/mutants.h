@@ -21,6 +21,7 @@ std::vector<Mutant> opacity_mutants();
 std::vector<Mutant> energy_mutants();
 std::vector<Mutant> pdf_mutants();
 std::vector<Mutant> sampling_mutants();
+std::vector<Mutant> density_mutants();
 std::vector<Mutant> weight_mutants();
 std::vector<Mutant> mean_mutants();
 std::vector<Mutant> smooth_limit_mutants();
