@@ -1,5 +1,7 @@
 #include "path/geometry.h"
 
+#include <algorithm>
+#include <array>
 #include <map>
 
 #include "base/error.h"
@@ -229,6 +231,11 @@ MaterialData::MaterialData(const Scene& scene, const Material& material, const s
   is_clear_sheet = (params.lobes & shade::kLobeTransmission) != 0 && !material.has_volume() && !material.unlit &&
                    may_be_smooth && material.metallic < 1.0f + (metallic_roughness ? 1.0f : 0.0f);
   needs_tangents = normal || clearcoat_normal || material.anisotropy > 0.0f;
+  const std::array base = {&base_color, &metallic_roughness, &normal, &emissive, &specular, &specular_color};
+  const auto* first = std::find_if(base.begin(), base.end(), [](const TextureReader* t) { return bool(*t); });
+  has_one_footprint = first != base.end() && std::all_of(first, base.end(), [&](const TextureReader* t) {
+                        return !*t || t->is_addressed_like(**first);
+                      });
 }
 
 vec2 MeshData::uv(const uvec3& t, vec3 b, int set) const {

@@ -24,6 +24,7 @@ struct MaterialData {
   bool has_medium = false;      ///< bounds a body that light can enter
   bool needs_tangents = false;
   bool is_emissive = false;
+  bool has_one_footprint = false;  ///< all textures of the base have texels at the same places
 
   MaterialData(const Scene& scene, const Material& material, const shade::ShadingModel& model);
 };

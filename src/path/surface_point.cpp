@@ -35,8 +35,16 @@ struct MaterialFootprints {
   MaterialFootprints(const MeshData& mesh, const uvec3& t, vec3 b) {
     const MaterialData& m = *mesh.material;
     const vec2 uv0 = mesh.uv(t, b, 0);
+    const TextureReader::Footprint* shared = nullptr;
     const auto locate = [&](const TextureReader& texture, TextureReader::Footprint& footprint) {
-      if (texture) footprint = texture.locate(texture.uv_set() == 0 ? uv0 : mesh.uv(t, b, 1));
+      if (!texture) return;
+      if (shared != nullptr) {
+        footprint = *shared;
+        texture.prefetch(footprint);
+        return;
+      }
+      footprint = texture.locate(texture.uv_set() == 0 ? uv0 : mesh.uv(t, b, 1));
+      if (m.has_one_footprint) shared = &footprint;
     };
     locate(m.base_color, base_color);
     locate(m.metallic_roughness, metallic_roughness);
@@ -46,6 +54,16 @@ struct MaterialFootprints {
     locate(m.specular_color, specular_color);
   }
 };
+
+/// What a surface without layers reads of its parameters (shade/surface_base.glsl.h); the rest stays unset.
+void copy_base(const shade::SurfaceParams& from, shade::SurfaceParams& to) {
+  to.lobes = from.lobes;
+  to.metallic = from.metallic;
+  to.roughness = from.roughness;
+  to.ior = from.ior;
+  to.specular = from.specular;
+  to.specular_color = from.specular_color;
+}
 
 /// Metallic-roughness of a material, or specular-glossiness brought to the same surface: ior is 0, so that
 /// specular_color is F0 and F90 is 1.
@@ -225,7 +243,12 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
     point.emission = base_color;
     return point;
   }
-  shade::SurfaceParams params = material.params;
+  shade::SurfaceParams params;
+  if (material.params.lobes == 0) {
+    copy_base(material.params, params);
+  } else {
+    params = material.params;
+  }
   fetch_base(material, at, base_color, params);
   if (m.specular_glossiness) fetch_specular_glossiness(material, mesh, t, b, params);
   vec3 tangent(0.0f);
@@ -248,7 +271,7 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   if ((params.lobes & shade::kLobeClearcoat) != 0) {
     params.clearcoat_normal = point.frame.to_local(keep_reflection_outside(coat_normal, ng, wo));
   }
-  point.surface = shade::surface_prepare(params, point.wo);
+  shade::surface_prepare_in(params, point.wo, point.surface);
   if (material.is_emissive && (!point.is_back || m.double_sided)) {
     point.emission = m.emission * shade::surface_emission_scale(point.surface);
     if (material.emissive) point.emission *= vec3(material.emissive.read(at.emissive));

@@ -102,10 +102,13 @@ TextureReader::Footprint TextureReader::locate(vec2 uv) const {
   f.offsets[1] = top + static_cast<std::uint32_t>(x1);
   f.offsets[2] = bottom + static_cast<std::uint32_t>(x0);
   f.offsets[3] = bottom + static_cast<std::uint32_t>(x1);
-  const std::size_t texel_bytes = is_16_bit_ ? 8 : 4;
-  __builtin_prefetch(pixels_ + f.offsets[0] * texel_bytes);
-  __builtin_prefetch(pixels_ + f.offsets[2] * texel_bytes);
+  prefetch(f);
   return f;
+}
+
+bool TextureReader::is_addressed_like(const TextureReader& other) const {
+  return width_ == other.width_ && height_ == other.height_ && wrap_u_ == other.wrap_u_ && wrap_v_ == other.wrap_v_ &&
+         filter_ == other.filter_ && slot_.uv_set == other.slot_.uv_set && slot_.transform == other.slot_.transform;
 }
 
 vec4 TextureReader::read(const Footprint& f) const {

@@ -25,6 +25,14 @@ class TextureReader {
     float tx, ty;
   };
   Footprint locate(vec2 uv) const;
+  /// Whether a footprint of `other` is one of this too: sizes, sampler and coordinates are the same.
+  bool is_addressed_like(const TextureReader& other) const;
+  /// Starts the memory access of a footprint that was found for another.
+  void prefetch(const Footprint& footprint) const {
+    const std::size_t texel_bytes = is_16_bit_ ? 8 : 4;
+    __builtin_prefetch(pixels_ + footprint.offsets[0] * texel_bytes);
+    __builtin_prefetch(pixels_ + footprint.offsets[2] * texel_bytes);
+  }
   vec4 read(const Footprint& footprint) const;
 
   /// Linear RGBA at the authored (untransformed) uv.

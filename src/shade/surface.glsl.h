@@ -21,18 +21,19 @@
 
 SHADE_BEGIN
 
-/// For the viewer at wo (wo.z > 0), which decides how the lobes share the samples.
+/// For the viewer at wo (wo.z > 0), which decides how the lobes share the samples. `s` may hold anything before.
+SHADE_FN void surface_prepare_in(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surface) s) {
+  base_matter(p, s);
+  if (p.lobes != 0) layers_matter(p, s);
+  vec2 ab = p.lobes == 0 ? table_ggx(wo.z, s.row) : layers_ggx(s, wo);
+  vec2 mean = p.lobes == 0 ? table_ggx_mean(s.row) : layers_ggx_mean(s);
+  base_energy(ab, mean, s);
+  if (p.lobes != 0) layers_prepare(p, wo, ab, s);
+}
+
 SHADE_FN Surface surface_prepare(SHADE_IN(SurfaceParams) p, vec3 wo) {
   Surface s;
-  base_matter(p, s);
-  if (p.lobes == 0) {
-    base_energy(table_ggx(wo.z, s.row), table_ggx_mean(s.row), s);
-    return s;
-  }
-  layers_matter(p, s);
-  vec2 ab = layers_ggx(s, wo);
-  base_energy(ab, layers_ggx_mean(s), s);
-  layers_prepare(p, wo, ab, s);
+  surface_prepare_in(p, wo, s);
   return s;
 }
 

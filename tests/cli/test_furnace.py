@@ -10,7 +10,7 @@ from candela import CliTest
 
 class Furnace(CliTest):
     def test_matrix_keeps_its_promises_and_the_sheet_is_a_picture(self):
-        result = self.succeeds("furnace", "--json", "-o", "sheet.png")
+        result = self.succeeds("furnace", "--json", "-o", "sheet.png", timeout=600)
         rows = {row["surface"]: row for row in json.loads(result.out)["laws"]}
         for name in ("plain white, metallic 1", "glass from inside of index 1.5", "sheen of roughness 0.5 on metal"):
             self.assertTrue(rows[name]["kept"])
