@@ -289,7 +289,7 @@ void make_anisotropic() {
       const double ry = std::sqrt(static_cast<double>(ay));
       const double least = std::min(rx, ry);
       const double most = std::max(rx, ry);
-      double mean = 0.0;
+      double mean[2] = {};
       for (int c = 0; c < kTableAzimuths; ++c) {
         // The azimuth along which the lobe is so rough; any where it is the same all around.
         const double along = least + (most - least) * c / (kTableAzimuths - 1);
@@ -305,11 +305,17 @@ void make_anisotropic() {
                         static_cast<float>(mu));
           const auto lo = static_cast<double>(ggx_lambda_aniso(wo, ax, ay));
           double albedo = 0.0;
+          double rise = 0.0;
           for (int i = 0; i < kPoints; ++i) {
-            const vec3 wi = microfacet_reflect(wo, ggx_sample_visible_aniso(wo, ax, ay, point(i)));
-            if (wi.z > 0.0f) albedo += (1.0 + lo) / (1.0 + lo + static_cast<double>(ggx_lambda_aniso(wi, ax, ay)));
+            const vec3 wm = ggx_sample_visible_aniso(wo, ax, ay, point(i));
+            const vec3 wi = microfacet_reflect(wo, wm);
+            if (wi.z <= 0.0f) continue;
+            const double w = (1.0 + lo) / (1.0 + lo + static_cast<double>(ggx_lambda_aniso(wi, ax, ay))) / kPoints;
+            albedo += w;
+            rise += w * static_cast<double>(schlick_weight(dot(wo, wm)));
           }
-          at(kTableAnisotropic, row + m) = static_cast<float>(1.0 - albedo / kPoints);
+          at(kTableAnisotropic, row + m) = static_cast<float>(1.0 - albedo);
+          at(kTableAnisotropic + kTableAnisotropicSlice, row + m) = static_cast<float>(rise);
         }
         // How much of the circle each entry stands for.
         constexpr int kSteps = 512;
@@ -320,9 +326,51 @@ void make_anisotropic() {
           const double u = x == y ? 0.0 : (r - least) / (most - least) * (kTableAzimuths - 1);
           weight += std::max(0.0, 1.0 - std::abs(u - c)) / kSteps;
         }
-        mean += weight * mean_over_mu([&](int m) { return get(kTableAnisotropic, row + m); }, n);
+        for (int k = 0; k < 2; ++k) {
+          mean[k] +=
+              weight *
+              mean_over_mu([&](int m) { return get(kTableAnisotropic + k * kTableAnisotropicSlice, row + m); }, n);
+        }
       }
-      at(kTableAnisotropicMean, x * n + y) = static_cast<float>(mean);
+      for (int k = 0; k < 2; ++k) at(kTableAnisotropicMean, (k * n + x) * n + y) = static_cast<float>(mean[k]);
+    }
+  }
+}
+
+void make_film() {
+  constexpr int kPoints = 4096;
+  std::vector<double> nodes = {0.0, 1.0};
+  for (int i = 0; i < kFilmCosines; ++i) nodes.push_back(static_cast<double>(table_film_cosine(i)));
+  const auto lagrange = [&](std::size_t node, double c) {
+    double product = 1.0;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (k != node) product *= (c - nodes[k]) / (nodes[node] - nodes[k]);
+    }
+    return product;
+  };
+  for (int r = 0; r < kTableRoughness; ++r) {
+    const float alpha = roughness_to_alpha(roughness_at(r, kTableRoughness));
+    for (int m = 0; m < kTableMu; ++m) {
+      const vec3 wo = direction(mu_at(m, kTableMu));
+      const auto add = [&](double weight, double c) {
+        for (int i = 0; i < kFilmCosines; ++i) {
+          at(kTableFilm, (i * kTableRoughness + r) * kTableMu + m) +=
+              static_cast<float>(weight * lagrange(static_cast<std::size_t>(i) + 2, c));
+        }
+      };
+      if (alpha < kGgxMirrorAlpha) {
+        add(1.0, static_cast<double>(wo.z));
+        continue;
+      }
+      over_visible(wo, alpha, kPoints, [&](vec3 wm) {
+        const vec3 wi = microfacet_reflect(wo, wm);
+        if (wi.z > 0.0f) add(masking(wo, wi, alpha) / kPoints, static_cast<double>(dot(wo, wm)));
+      });
+    }
+    for (int i = 0; i < kFilmCosines; ++i) {
+      const int row = (i * kTableRoughness + r) * kTableMu;
+      at(kTableFilmMean, i * kTableRoughness + r) =
+          static_cast<float>(mean_over_mu([&](int m) { return get(kTableFilm, row + m); }, kTableMu));
     }
   }
 }
@@ -383,6 +431,7 @@ int main(int argc, char** argv) {
   make_over(kTableCoatOver, [](int layer, double mu) { return 1.0 - coat_albedo(layer, mu); });
   make_over(kTableSheenOver, [](int layer, double mu) { return 1.0 - sheen_albedo(layer, mu); });
   make_anisotropic();
+  make_film();
   std::FILE* file = std::fopen(argv[1], "w");
   if (file == nullptr) return 1;
   write(file);

@@ -28,7 +28,7 @@ SHADE_FN void surface_prepare_in(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT
   vec2 ab = p.lobes == 0 ? table_ggx(wo.z, s.row) : layers_ggx(s, wo);
   vec2 mean = p.lobes == 0 ? table_ggx_mean(s.row) : layers_ggx_mean(s);
   base_energy(ab, mean, s);
-  if (p.lobes != 0) layers_prepare(p, wo, ab, s);
+  if (p.lobes != 0) layers_prepare(p, wo, ab, mean, s);
 }
 
 SHADE_FN Surface surface_prepare(SHADE_IN(SurfaceParams) p, vec3 wo) {

@@ -116,6 +116,7 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   s.alpha_x = s.alpha;
   s.alpha_y = s.alpha;
   s.iridescence = (p.lobes & kLobeIridescence) != 0 && p.film_nm > 0.0f ? p.iridescence : 0.0f;
+  s.has_film_below = s.iridescence > 0.0f && s.weight_dielectric > 0.0f;
   s.is_thin = true;
   s.eta = 1.5f;
   s.diffuse_below = vec3(0.0f);
@@ -181,34 +182,48 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   }
 }
 
-/// Split-sum terms at w. Of an anisotropic lobe: its own loss, and B by its width along w.
+/// A film lets each channel through by a law of its own: base_transmission of each, where facets reflect `beyond` more
+/// than Schlick's curve, over that of the whole.
+SHADE_FN vec3 layers_film_below(SHADE_IN(Surface) s, vec2 ab, vec3 beyond) {
+  vec3 reflected =
+      s.f0_dielectric * ab.x + vec3(s.f90_dielectric * ab.y) + s.film_escape * (1.0f - ab.x - ab.y) + beyond;
+  return max(vec3(1.0f) - reflected, vec3(0.0f)) * (1.0f / max(base_transmission(s, ab), 1e-3f));
+}
+
+SHADE_FN vec3 layers_film_below_at(SHADE_IN(Surface) s, vec2 ab, float mu) {
+  TableCell m = table_cell_mu(mu, kTableMu);
+  vec3 beyond = vec3(0.0f);
+  for (int i = 0; i < kFilmCosines; ++i) beyond += s.film_beyond[i] * table_film(i, m, s.row);
+  return layers_film_below(s, ab, beyond);
+}
+
+/// After base_energy, whose split-sum terms and means these are.
+SHADE_APART SHADE_FN void layers_prepare_film(vec3 wo, vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
+  vec3 beyond = vec3(0.0f);
+  for (int i = 0; i < kFilmCosines; ++i) {
+    float mu = table_film_cosine(i);
+    vec3 schlick = s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * schlick_weight(mu);
+    s.film_beyond[i] = terms_fresnel_dielectric(s, mu) - schlick;
+    beyond += s.film_beyond[i] * table_film_mean(i, s.row);
+  }
+  s.film_escape = multiscatter_share3(schlick_mean(s.f0_dielectric, s.f90_dielectric), 1.0f - s.escape_mean);
+  s.film_below_scale = vec3(1.0f) / max(layers_film_below(s, mean, beyond), vec3(1e-3f));
+  s.film_below_o = layers_film_below_at(s, ab, wo.z);
+}
+
+/// Split-sum terms at w.
 SHADE_FN vec2 layers_ggx(SHADE_IN(Surface) s, vec3 w) {
   float mu = abs(w.z);
   if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx(mu, s.row);
-  float along = layers_roughness_along(s, w);
-  float b = table_ggx(mu, table_ggx_roughness(along)).y;
-  float albedo = 1.0f - table_anisotropic(mu, along, sqrt(s.alpha_x), sqrt(s.alpha_y));
-  b = min(b, albedo);
-  return vec2(albedo - b, b);
+  vec2 entry = table_anisotropic(mu, layers_roughness_along(s, w), sqrt(s.alpha_x), sqrt(s.alpha_y));
+  return vec2(1.0f - entry.x - entry.y, entry.y);
 }
 
-/// Squared cosines of azimuths that stand evenly in a quarter of the circle.
-SHADE_CONST int kAzimuths = 4;
-SHADE_FN float layers_azimuth(int i) {
-  return i == 0 ? 0.9619398f : i == 1 ? 0.6913417f : i == 2 ? 0.3086583f : 0.0380602f;
-}
-
-/// Their cosine-weighted means.
+/// Cosine-weighted means of the split-sum terms.
 SHADE_FN vec2 layers_ggx_mean(SHADE_IN(Surface) s) {
-  vec2 mean = table_ggx_mean(s.row);
-  if ((s.lobes & kLobeAnisotropy) == 0) return mean;
-  float albedo = 1.0f - table_anisotropic_mean(sqrt(s.alpha_x), sqrt(s.alpha_y));
-  float b = 0.0f;
-  for (int i = 0; i < kAzimuths; ++i) {
-    b += table_ggx_mean(table_ggx_roughness(layers_roughness_at(s, layers_azimuth(i)))).y * (1.0f / float(kAzimuths));
-  }
-  b = min(b, albedo);
-  return vec2(albedo - b, b);
+  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_mean(s.row);
+  vec2 entry = table_anisotropic_mean(sqrt(s.alpha_x), sqrt(s.alpha_y));
+  return vec2(1.0f - entry.x - entry.y, entry.y);
 }
 
 SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surface) s) {
@@ -233,6 +248,12 @@ SHADE_FN void layers_prepare_sheen(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surfac
   s.sheen_roughness = max(p.sheen_roughness, kSheenLeastRoughness);
   s.sheen_alpha = sheen_alpha(p.sheen_roughness);
   s.sheen_weight = shade_max3(p.sheen_color);
+}
+
+/// Squared cosines of azimuths that stand evenly in a quarter of the circle.
+SHADE_CONST int kAzimuths = 4;
+SHADE_FN float layers_azimuth(int i) {
+  return i == 0 ? 0.9619398f : i == 1 ? 0.6913417f : i == 2 ? 0.3086583f : 0.0380602f;
 }
 
 /// Cosine-weighted mean of what single scattering at a boundary loses.
@@ -333,8 +354,11 @@ SHADE_FN void layers_chances(vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
 }
 
 /// After base_energy: the layers, and with them the shares of light and samples.
-SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
+SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec2 ab, vec2 mean,
+                                         SHADE_INOUT(Surface) s) {
   if (!s.model.multiscatter) s.multiscatter = vec3(0.0f);
+  s.film_below_o = vec3(1.0f);
+  if (s.has_film_below) layers_prepare_film(wo, ab, mean, s);
   if ((s.lobes & kLobeClearcoat) != 0) layers_prepare_coat(p, wo, s);
   if ((s.lobes & kLobeSheen) != 0) layers_prepare_sheen(p, s);
   layers_prepare_glass(wo, s);
@@ -387,13 +411,20 @@ SHADE_FN vec3 layers_from_coat(SHADE_IN(Surface) s, vec3 w) {
 
 // ----- evaluation
 
-/// What the diffuse layer gets of the light, by the model's blend.
-SHADE_FN float layers_diffuse_share(SHADE_IN(Surface) s, vec3 wo, float cos_m, LayersAt at, vec2 ab) {
-  if (s.model.blend == kBlendAlbedo) return s.transmission_o * layers_transmission(s, at, ab) * s.diffuse_scale;
+/// What the diffuse layer gets of the light from wi and returns to wo through all that lies above it.
+SHADE_FN vec3 layers_diffuse_through(SHADE_IN(Surface) s, vec3 wi, LayersAt at, vec2 ab) {
+  vec3 through = vec3(s.transmission_o * layers_transmission(s, at, ab) * s.diffuse_scale);
+  if (!s.has_film_below) return through;
+  return through * s.film_below_o * layers_film_below_at(s, ab, abs(wi.z)) * s.film_below_scale;
+}
+
+/// The same by the model's blend.
+SHADE_FN vec3 layers_diffuse_share(SHADE_IN(Surface) s, vec3 wo, vec3 wi, float cos_m, LayersAt at, vec2 ab) {
+  if (s.model.blend == kBlendAlbedo) return layers_diffuse_through(s, wi, at, ab);
   float share = layers_across(s, at);
   if (s.model.blend == kBlendHalfVector) share *= 1.0f - shade_max3(terms_fresnel_dielectric(s, cos_m));
   if (s.model.blend == kBlendView) share *= 1.0f - shade_max3(terms_fresnel_dielectric(s, wo.z));
-  return share;
+  return vec3(share);
 }
 
 /// The coat: value and density.
@@ -445,7 +476,7 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
                              : max(1.0f - table_glass(wi.z, layers_roughness_along(s, wi), s.eta), 0.0f);
     r.value += vec3(s.glass_multireflect * s.glass_escape_o * glass_escape * over);
   }
-  r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, cos_m, at, ab);
+  r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, wi, cos_m, at, ab);
 
   // ----- facets
   if (!s.is_mirror) {
@@ -481,8 +512,7 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo,
   vec2 ab = layers_ggx(s, wi);
   float across = layers_across(s, at);
   r.pdf = s.chance_diffuse_below * cosine_pdf(cos_i);
-  r.value = s.diffuse_below *
-            (s.transmission_o * layers_transmission(s, at, ab) * s.diffuse_scale * (cos_i * (1.0f / kShadePi)));
+  r.value = s.diffuse_below * layers_diffuse_through(s, wi, at, ab) * (cos_i * (1.0f / kShadePi));
   if (s.weight_glass <= 0.0f || s.is_glass_delta) return r;
 
   float escape =
@@ -640,8 +670,9 @@ SHADE_APART SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, v
 /// Estimated albedo of everything; `specular` that of the base's facets.
 SHADE_APART SHADE_FN vec3 layers_albedo(SHADE_IN(Surface) s, vec3 specular) {
   float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
-  return (s.diffuse + s.diffuse_below) * s.transmission_o + (specular + s.glass_tint * s.weight_glass) * through +
-         s.sheen * s.sheen_albedo_o + vec3(s.coat * s.coat_albedo_o);
+  return (s.diffuse + s.diffuse_below) * s.film_below_o * s.transmission_o +
+         (specular + s.glass_tint * s.weight_glass) * through + s.sheen * s.sheen_albedo_o +
+         vec3(s.coat * s.coat_albedo_o);
 }
 
 SHADE_END

@@ -94,6 +94,11 @@ struct Surface {
   float film_nm;
   vec3 film_f0_dielectric;  ///< of the matter below the film
   vec3 film_f0_metal;
+  vec3 film_beyond[kFilmCosines];  ///< what a dielectric's film reflects beyond Schlick's curve
+  bool has_film_below;             ///< a diffuse layer may lie below a film
+  vec3 film_escape;                ///< share of what single scattering loses that the film reflects
+  vec3 film_below_o;      ///< of each channel that reaches the diffuse layer over the share of the strongest, at wo
+  vec3 film_below_scale;  ///< likewise, of diffuse_scale
   vec3 f82_tint;
   vec3 conductor_n;
   vec3 conductor_k;

@@ -30,8 +30,8 @@ SHADE_CONST int kTableRoughness = 40;  // roughnesses
 SHADE_CONST int kTableIndices = 16;    // relative indices of refraction
 SHADE_CONST int kTableLayers = 24;     // roughnesses of a layer
 SHADE_CONST int kTableLobes = 32;      // roughnesses of, and cosines at, a lobe below a layer
-SHADE_CONST int kTableWidths = 14;     // roughnesses along either axis of an anisotropic lobe, and cosines
-SHADE_CONST int kTableAzimuths = 5;    // azimuths, by the roughness along them
+SHADE_CONST int kTableWidths = 20;     // roughnesses along either axis of an anisotropic lobe, and cosines
+SHADE_CONST int kTableAzimuths = 8;    // azimuths, by the roughness along them
 
 /// (A, B) of GGX with height-correlated Smith masking: the albedo for Schlick's F is F0·A + F90·B. [roughness][mu][2]
 SHADE_CONST int kTableGgx = 0;
@@ -51,10 +51,17 @@ SHADE_CONST int kTableGlassMean = kTableGlass + 2 * kTableGlassSide;
 SHADE_CONST int kTableOver = kTableLayers * kTableLobes * kTableLobes * 3;
 SHADE_CONST int kTableCoatOver = kTableGlassMean + 2 * kTableIndices * kTableRoughness;
 SHADE_CONST int kTableSheenOver = kTableCoatOver + kTableOver;
-/// What single scattering of white anisotropic GGX loses: [roughness along x][along y][azimuth][mu]; and the mean.
+/// What single scattering of white anisotropic GGX loses, and its B: [loss, B][roughness along x][along
+/// y][azimuth][mu]; and means, [loss, B][along x][along y].
 SHADE_CONST int kTableAnisotropic = kTableSheenOver + kTableOver;
-SHADE_CONST int kTableAnisotropicMean = kTableAnisotropic + kTableWidths * kTableWidths * kTableAzimuths * kTableWidths;
-SHADE_CONST int kTableSize = kTableAnisotropicMean + kTableWidths * kTableWidths;
+SHADE_CONST int kTableAnisotropicSlice = kTableWidths * kTableWidths * kTableAzimuths * kTableWidths;
+SHADE_CONST int kTableAnisotropicMean = kTableAnisotropic + 2 * kTableAnisotropicSlice;
+/// What facets make of a reflectance that is the polynomial with value 1 at the cosine table_film_cosine(i) and 0 at
+/// the others, at 0 and at 1: [i][roughness][mu]; and means, [i][roughness].
+SHADE_CONST int kFilmCosines = 8;
+SHADE_CONST int kTableFilm = kTableAnisotropicMean + 2 * kTableWidths * kTableWidths;
+SHADE_CONST int kTableFilmMean = kTableFilm + kFilmCosines * kTableRoughness * kTableMu;
+SHADE_CONST int kTableSize = kTableFilmMean + kFilmCosines * kTableRoughness;
 
 // ----- interpolation
 
@@ -100,6 +107,21 @@ SHADE_FN vec2 table_ggx_mean(TableCell roughness) {
 }
 
 SHADE_FN TableCell table_ggx_roughness(float roughness) { return table_cell(roughness, kTableRoughness); }
+
+// ----- curves of reflectance other than Schlick's
+
+/// Chebyshev's points, between which a polynomial strays least.
+SHADE_FN float table_film_cosine(int i) {
+  return 0.5f - 0.5f * cos(kShadePi * float(i + 1) * (1.0f / float(kFilmCosines + 1)));
+}
+
+SHADE_FN float table_film(int i, TableCell mu, TableCell roughness) {
+  return table_bilinear(kTableFilm + i * kTableRoughness * kTableMu, mu, roughness, kTableMu);
+}
+
+SHADE_FN float table_film_mean(int i, TableCell roughness) {
+  return table_linear(kTableFilmMean + i * kTableRoughness, roughness);
+}
 
 // ----- sheen
 
@@ -188,8 +210,8 @@ SHADE_FN float table_anisotropic_at(int at, TableCell azimuth, TableCell mu) {
   return table_bilinear(at, mu, azimuth, kTableWidths);
 }
 
-/// 1 - albedo at a direction with this cosine, along which the lobe has the roughness `along`.
-SHADE_FN float table_anisotropic(float mu, float along, float roughness_x, float roughness_y) {
+/// (1 - albedo, B) at a direction with this cosine, along which the lobe has the roughness `along`.
+SHADE_FN vec2 table_anisotropic(float mu, float along, float roughness_x, float roughness_y) {
   TableCell x = table_cell(roughness_x, kTableWidths);
   TableCell y = table_cell(roughness_y, kTableWidths);
   TableCell m = table_cell_mu(mu, kTableWidths);
@@ -198,14 +220,25 @@ SHADE_FN float table_anisotropic(float mu, float along, float roughness_x, float
   TableCell c = table_cell((along - least) / max(most - least, 1e-6f), kTableAzimuths);
   int cell = kTableAzimuths * kTableWidths;
   int row = kTableWidths * cell;
-  int at = kTableAnisotropic + x.i * row + y.i * cell;
-  return mix(mix(table_anisotropic_at(at, c, m), table_anisotropic_at(at + cell, c, m), y.t),
-             mix(table_anisotropic_at(at + row, c, m), table_anisotropic_at(at + row + cell, c, m), y.t), x.t);
+  vec2 r = vec2(0.0f);
+  for (int k = 0; k < 2; ++k) {
+    int at = kTableAnisotropic + k * kTableAnisotropicSlice + x.i * row + y.i * cell;
+    float value = mix(mix(table_anisotropic_at(at, c, m), table_anisotropic_at(at + cell, c, m), y.t),
+                      mix(table_anisotropic_at(at + row, c, m), table_anisotropic_at(at + row + cell, c, m), y.t), x.t);
+    if (k == 0) {
+      r.x = value;
+    } else {
+      r.y = value;
+    }
+  }
+  return r;
 }
 
-SHADE_FN float table_anisotropic_mean(float roughness_x, float roughness_y) {
-  return table_bilinear(kTableAnisotropicMean, table_cell(roughness_y, kTableWidths),
-                        table_cell(roughness_x, kTableWidths), kTableWidths);
+SHADE_FN vec2 table_anisotropic_mean(float roughness_x, float roughness_y) {
+  TableCell x = table_cell(roughness_x, kTableWidths);
+  TableCell y = table_cell(roughness_y, kTableWidths);
+  return vec2(table_bilinear(kTableAnisotropicMean, y, x, kTableWidths),
+              table_bilinear(kTableAnisotropicMean + kTableWidths * kTableWidths, y, x, kTableWidths));
 }
 
 SHADE_END

@@ -151,10 +151,7 @@ void add_layers(Table& table) {
     for (const float roughness : {0.0f, 0.2f, 0.5f, 1.0f}) {
       SurfaceParams p = white(metallic);
       with_sheen(p, roughness);
-      Promise promise;
-      // Fibres so narrow are seen at grazing angles alone, where the tables are coarsest.
-      if (roughness < 0.1f) promise.loss = promise.gain = 0.02;
-      table.add("sheen of roughness " + number(roughness) + matter, p, promise, true);
+      table.add("sheen of roughness " + number(roughness) + matter, p, {}, true);
     }
     SurfaceParams tilted = white(metallic);
     with_coat(tilted, 0.2f);
@@ -174,17 +171,17 @@ void add_matter(Table& table) {
       table.add(std::string(kGlassNames[i]) + " of index " + number(ior), p, {}, true);
     }
   }
+  // The table over two widths, azimuth and cosine is coarse: a little more than half a percent.
   for (const float strength : {0.3f, 1.0f}) {
     SurfaceParams p = white(1.0f);
     with_anisotropy(p);
     p.anisotropy = strength;
-    table.add("anisotropic metal, strength " + number(strength), p, {true, true, 0.006, 0.006}, true,
+    table.add("anisotropic metal, strength " + number(strength), p, {true, true, 0.006, 0.007}, true,
               {0.1f, 0.2f, 0.3f, 0.6f, 1.0f});
   }
   SurfaceParams anisotropic = white(0.0f);
   with_anisotropy(anisotropic);
-  // How much of Schlick's rise such a lobe has is guessed from a round one.
-  table.add("anisotropic dielectric", anisotropic, {true, true, 0.005, 0.03}, true, {0.1f, 0.2f, 0.3f, 0.6f, 1.0f});
+  table.add("anisotropic dielectric", anisotropic, {true, true, 0.006, 0.007}, true, {0.1f, 0.2f, 0.3f, 0.6f, 1.0f});
   for (const float share : {0.5f, 1.0f}) {
     SurfaceParams p = white(0.0f);
     with_diffuse_transmission(p);
@@ -196,9 +193,7 @@ void add_matter(Table& table) {
       SurfaceParams p = white(metallic);
       with_film(p);
       p.film_nm = thickness_nm;
-      // The tables know a film by what it reflects at normal incidence.
-      const Promise promise = metallic > 0.0f ? Promise{} : Promise{true, true, 0.1, 0.04};
-      table.add("film of " + number(thickness_nm) + " nm on " + (metallic > 0.0f ? "metal" : "dielectric"), p, promise,
+      table.add("film of " + number(thickness_nm) + " nm on " + (metallic > 0.0f ? "metal" : "dielectric"), p, {},
                 true);
     }
   }
@@ -246,8 +241,8 @@ void add_combinations(Table& table) {
       if (has_sheen) name += " + sheen";
       if (has_coat) name += " + coat";
       // A streak as thin as a mirror's and as wide as a diffuse lobe is beyond quadrature, and beyond sight.
-      // Two at a time and more: the factors of each are exact alone, and their product is not. Films on dielectrics are
-      // known to the tables by what they reflect at normal incidence, streaks on bodies by a round lobe.
+      // Two at a time and more: the factors of each are exact alone, and their product is not. Streaks on bodies are
+      // known to the tables by a round lobe.
       Promise promise{true, true, 0.02, 0.015};
       // Seen from within, what a layer on a body would send back is lost.
       if ((has_sheen || has_coat) && has_glass && !p.is_thin) promise.loss = 0.05;

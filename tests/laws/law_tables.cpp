@@ -205,6 +205,7 @@ TEST(law_tables, layers_over_a_white_lobe_return_their_transmission) {
 
 TEST(law_tables, anisotropic_ggx_equals_quadrature) {
   double round = 0.0;
+  double round_rise = 0.0;
   for (const float mu : kCosines) {
     for (const float phi : {0.1f, 0.7f, 1.4f}) {
       const float rx = 0.9f;
@@ -213,12 +214,17 @@ TEST(law_tables, anisotropic_ggx_equals_quadrature) {
       const double albedo = ggx_albedo(wo, rx * rx, ry * ry, [](float, vec3) { return 1.0f; });
       const float cos2 = std::cos(phi) * std::cos(phi);
       const float along = std::pow(cos2 * std::pow(rx, 4.0f) + (1.0f - cos2) * std::pow(ry, 4.0f), 0.25f);
-      EXPECT_NEAR(1.0 - static_cast<double>(shade::table_anisotropic(mu, along, rx, ry)), albedo, 0.012)
-          << mu << ' ' << phi;
+      const double rise = ggx_albedo(wo, rx * rx, ry * ry, [](float c, vec3) { return shade::schlick_weight(c); });
+      const shade::vec2 entry = shade::table_anisotropic(mu, along, rx, ry);
+      EXPECT_NEAR(1.0 - static_cast<double>(entry.x), albedo, 0.006) << mu << ' ' << phi;
+      EXPECT_NEAR(static_cast<double>(entry.y), rise, 0.006) << mu << ' ' << phi;
+      round_rise = std::max(
+          round_rise, std::abs(static_cast<double>(shade::table_ggx(mu, shade::table_ggx_roughness(along)).y) - rise));
       round = std::max(round, std::abs(static_cast<double>(table_albedo(mu, std::sqrt(rx * ry))) - albedo));
     }
   }
-  EXPECT_GT(round, 0.03);  // a round lobe of the same area is none
+  EXPECT_GT(round, 0.03);       // a round lobe of the same area is none
+  EXPECT_GT(round_rise, 0.02);  // nor one as rough along the azimuth
 }
 
 }  // namespace

@@ -33,8 +33,9 @@ SOMETIMES = {
     "Surface": [
         (r"conductor_.*", "({s}.lobes & kLobeConductor) != 0"),
         (r"sheen_alpha|sheen_roughness", "({s}.lobes & kLobeSheen) != 0"),
+        (r"film_(beyond|escape|below_scale)", "{s}.lobes != 0 && {s}.has_film_below"),
         (r"coat_(alpha|roughness|normal|row|escape_.*)|is_coat_mirror", "({s}.lobes & kLobeClearcoat) != 0"),
-        (r"model|alpha_.|iridescence|film_.*|f82_tint|is_thin|is_glass_delta|eta|glass_.*|diffuse_below|sheen.*|coat.*"
+        (r"model|alpha_.|iridescence|film_.*|has_film_below|f82_tint|is_thin|is_glass_delta|eta|glass_.*|diffuse_below|sheen.*|coat.*"
          r"|chance_(glass|diffuse_below|sheen|coat)", "{s}.lobes != 0"),
     ],
 }
