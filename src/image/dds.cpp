@@ -102,7 +102,8 @@ StoredTexture parse_dds(std::span<const std::byte> bytes, const std::string& whe
 
   // ----- face by face, each with all its levels
   info.level_bytes.assign(levels, 0);
-  if (!info.texel || info.depth > 1 || info.layers > 1) return texture;
+  info.is_read = info.texel && info.depth <= 1 && info.layers <= 1;
+  if (!info.is_read) return texture;
   texture.levels.resize(levels);
   for (int face = 0; face < info.faces; ++face) {
     for (std::size_t i = 0; i < levels; ++i) {

@@ -49,13 +49,13 @@ StoredTexture parse_ktx1(std::span<const std::byte> bytes, const std::string& wh
   name_format(gl_type, gl_format, gl_internal, info);
   parse_key_values(in.take(in.u32()), info, where);
 
-  const bool is_read = info.texel && depth <= 1 && layers == 0;
+  info.is_read = info.texel && depth <= 1 && layers == 0;
   for (std::size_t i = 0; i < levels; ++i) {
     const std::uint32_t stated = in.u32();
     const bool is_cube = faces == 6 && layers == 0;
     StoredLevel level{
         .width = level_size(info.width, i), .height = level_size(info.height, i), .faces = {}, .packed = {}};
-    if (is_read && stated != face_bytes(texel_layout(*info.texel), level.width, level.height, kRowAlignment))
+    if (info.is_read && stated != face_bytes(texel_layout(*info.texel), level.width, level.height, kRowAlignment))
       throw Error("damaged: level " + std::to_string(i) + " has a face of " + std::to_string(stated) + " bytes", where);
     // The size counts one face of a cube, and everything of any other texture.
     for (std::uint32_t face = 0; face < (is_cube ? 6u : 1u); ++face) {
@@ -63,7 +63,7 @@ StoredTexture parse_ktx1(std::span<const std::byte> bytes, const std::string& wh
       in.seek((in.offset() + 3) / 4 * 4);
     }
     info.level_bytes.push_back(std::uint64_t{stated} * level.faces.size());
-    if (is_read) texture.levels.push_back(std::move(level));
+    if (info.is_read) texture.levels.push_back(std::move(level));
   }
   return texture;
 }

@@ -173,12 +173,12 @@ StoredTexture parse_ktx2(std::span<const std::byte> bytes, const std::string& wh
   in.part(global_offset, global_length);
   if (key_length > 0) parse_key_values(in.part(key_offset, key_length), info, where);
 
-  const bool is_read = info.texel && depth <= 1 && layers <= 1 && scheme.packing != Packing::unknown;
+  info.is_read = info.texel && depth <= 1 && layers <= 1 && scheme.packing != Packing::unknown;
   for (std::size_t i = 0; i < levels; ++i) {
     const LevelIndex index{in.u64(), in.u64(), in.u64()};
     in.part(index.offset, index.length);
     info.level_bytes.push_back(index.length);
-    if (is_read) texture.levels.push_back(stored_level(in, info, i, index, scheme.packing, where));
+    if (info.is_read) texture.levels.push_back(stored_level(in, info, i, index, scheme.packing, where));
   }
   return texture;
 }

@@ -41,13 +41,19 @@ int channels_of(const TextureInfo& info) {
   return info.faces == 6 || stored == 2 ? 3 : stored;
 }
 
+/// Throws where format, packing or kind of the texture are not read.
+void check_kind(const StoredTexture& stored, const std::string& where) {
+  const TextureInfo& info = stored.info;
+  if (!info.texel) throw Error("pixels in the format " + info.format + " are not read", where);
+  if (stored.packing == Packing::unknown)
+    throw Error("supercompression by " + info.supercompression + " is not read", where);
+  if (!info.is_read) throw Error("volumes and arrays of textures are not read", where);
+}
+
 /// Throws unless the texture is of a kind that is decoded, and small enough.
 void check_decodable(const StoredTexture& stored, std::uint64_t max_bytes, const std::string& where) {
   const TextureInfo& info = stored.info;
-  if (!info.texel) throw Error("pixels in the format " + info.format + " are not read", where);
-  if (info.depth > 1 || info.layers > 1) throw Error("volumes and arrays of textures are not read", where);
-  if (stored.packing == Packing::unknown)
-    throw Error("supercompression by " + info.supercompression + " is not read", where);
+  check_kind(stored, where);
   std::uint64_t pixels = 0;
   for (const StoredLevel& level : stored.levels)
     pixels += static_cast<std::uint64_t>(level.width) * static_cast<std::uint64_t>(level.height);

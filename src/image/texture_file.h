@@ -34,6 +34,7 @@ struct TextureInfo {
   int layers = 0;  ///< above 1 in an array
   int faces = 1;   ///< 6 in a cube map
   std::string supercompression = "none";
+  bool is_read = false;                           ///< whether decode_texture_file knows format, packing and kind
   std::vector<std::uint64_t> level_bytes;         ///< as stored, largest level first; 0 where the file does not say
   std::map<std::string, std::string> key_values;  ///< binary values as "N bytes"
 };

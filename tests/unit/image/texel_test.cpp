@@ -1,7 +1,7 @@
 #include "image/texel.h"
 
-#include <half.h>
 #include <gtest/gtest.h>
+#include <half.h>
 
 #include <cmath>
 #include <functional>

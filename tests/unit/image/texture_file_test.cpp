@@ -105,7 +105,8 @@ TEST(unit_image_texture, the_same_pixels_give_the_same_bytes_for_any_number_of_t
 TEST(unit_image_texture, ktx2_keeps_the_words_of_its_specification) {
   const Cubemap cube = test::numbered_cube(8, 4);
   for (const bool zstd : {false, true}) {
-    const Bytes bytes = encode(cube, {.format = TexelFormat::rgb16f, .zstd = zstd});
+    // The key makes the levels start at no multiple of 12 by chance.
+    const Bytes bytes = encode(cube, {.format = TexelFormat::rgb16f, .zstd = zstd, .key_values = {{"a", "b"}}});
     EXPECT_EQ(u32_at(bytes, 12), 90u);  // VK_FORMAT_R16G16B16_SFLOAT
     EXPECT_EQ(u32_at(bytes, 16), 2u);   // bytes of the type
     EXPECT_EQ(u32_at(bytes, 20), 8u);   // width
@@ -229,6 +230,18 @@ TEST(unit_image_texture, what_cannot_be_written_is_an_error_and_leaves_no_file) 
 }
 
 // ----- damage
+
+TEST(unit_image_texture, a_level_of_the_wrong_length_is_refused) {
+  for (const bool zstd : {false, true}) {
+    const Bytes good = encode(test::numbered_cube(4, 2), {.zstd = zstd});
+    for (const int wrong : {-8, -1, 1, 8}) {
+      Bytes bad = good;
+      const std::size_t field = zstd ? 96 : 88;  // the length when unpacked, or in the file
+      put(bad, field, u64_at(bad, field) + static_cast<std::uint64_t>(wrong));
+      EXPECT_THROW(decode_texture_file(bad, "t"), Error) << wrong;
+    }
+  }
+}
 
 TEST(unit_image_texture, damage_is_an_error_and_never_a_crash) {
   for (const Bytes& seed : test::texture_seeds())
