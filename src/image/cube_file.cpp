@@ -178,6 +178,34 @@ Cubemap read_six_files(const fs::path& path, const std::optional<CubeAxes>& axes
   return cube;
 }
 
+// ----- RGBM
+
+std::array<std::uint8_t, 4> rgbm_texel(vec3 color, const Rgbm& rgbm, EncodingLoss& loss) {
+  const float maximum = rgbm.is_squared ? rgbm.range * rgbm.range : rgbm.range;
+  vec3 scaled(0.0f);
+  for (int c = 0; c < 3; ++c) {
+    const float clamped = color[c] > 0.0f ? std::min(color[c], maximum) : 0.0f;
+    scaled[c] = (rgbm.is_squared ? std::sqrt(clamped) : clamped) / rgbm.range;
+  }
+  if (!is_finite(color)) {
+    ++loss.non_finite;
+  } else {
+    const float largest = max_component(color);
+    loss.clamped += largest > maximum ? 1 : 0;
+    loss.negative += std::min({color.x, color.y, color.z}) < 0.0f ? 1 : 0;
+    if (largest > maximum) loss.largest = std::max(loss.largest, largest);
+  }
+  // The multiplier is rounded up, so that no channel needs more than 1; a black texel keeps the smallest.
+  const float alpha = std::max(std::ceil(max_component(scaled) * 255.0f), 1.0f);
+  std::array<std::uint8_t, 4> texel{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float part = std::min(scaled[static_cast<int>(c)] * 255.0f / alpha, 1.0f);
+    texel[c] = static_cast<std::uint8_t>(part * 255.0f + 0.5f);
+  }
+  texel[3] = static_cast<std::uint8_t>(alpha);
+  return texel;
+}
+
 }  // namespace
 
 CubeSource find_cube_source(const fs::path& path) {
@@ -248,27 +276,10 @@ EncodingLoss write_rgbm_png(const fs::path& path, const Image& image, const Rgbm
   EncodingLoss loss;
   DisplayImage out{image.width, image.height, {}};
   out.rgba.reserve(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4);
-  const float maximum = rgbm.is_squared ? rgbm.range * rgbm.range : rgbm.range;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      const vec3 color = image.rgb(x, y);
-      vec3 scaled(0.0f);
-      for (int c = 0; c < 3; ++c) {
-        const float clamped = color[c] > 0.0f ? std::min(color[c], maximum) : 0.0f;
-        scaled[c] = (rgbm.is_squared ? std::sqrt(clamped) : clamped) / rgbm.range;
-      }
-      if (!is_finite(color)) {
-        ++loss.non_finite;
-      } else {
-        loss.clamped += max_component(color) > maximum ? 1 : 0;
-        loss.negative += std::min({color.x, color.y, color.z}) < 0.0f ? 1 : 0;
-        if (max_component(color) > maximum) loss.largest = std::max(loss.largest, max_component(color));
-      }
-      // The multiplier is rounded up, so that no channel needs more than 1; a black texel keeps the smallest.
-      const float alpha = std::max(std::ceil(max_component(scaled) * 255.0f), 1.0f);
-      for (int c = 0; c < 3; ++c)
-        out.rgba.push_back(static_cast<std::uint8_t>(std::min(scaled[c] * 255.0f / alpha, 1.0f) * 255.0f + 0.5f));
-      out.rgba.push_back(static_cast<std::uint8_t>(alpha));
+      const std::array<std::uint8_t, 4> texel = rgbm_texel(image.rgb(x, y), rgbm, loss);
+      out.rgba.insert(out.rgba.end(), texel.begin(), texel.end());
     }
   }
   codec::write_png_data(path, out);

@@ -221,10 +221,9 @@ Image equirect_from_cube(const CubeFaces& faces, int width) {
       for (int x = 0; x < width; ++x) {
         dvec3 sum(0.0);
         for (int i = 0; i < kSamples * kSamples; ++i) {
-          const float u = (static_cast<float>(x) + (static_cast<float>(i % kSamples) + 0.5f) / kSamples) /
-                          static_cast<float>(width);
-          const float v = (static_cast<float>(y) + (static_cast<float>(i / kSamples) + 0.5f) / kSamples) /
-                          static_cast<float>(image.height);
+          const int column = i % kSamples, row = i / kSamples;
+          const float u = (static_cast<float>(x * kSamples + column) + 0.5f) / static_cast<float>(width * kSamples);
+          const float v = (static_cast<float>(y * kSamples + row) + 0.5f) / static_cast<float>(image.height * kSamples);
           const float phi = (u - 0.5f) * 2.0f * kPi, theta = v * kPi;
           const vec3 d(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
           sum += dvec3(cube_radiance(faces, d));

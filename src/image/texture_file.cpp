@@ -108,8 +108,7 @@ std::vector<Image> decode_level(const StoredTexture& stored, const StoredLevel& 
     const auto size = codec::face_bytes(layout, level.width, level.height, stored.row_alignment);
     unpacked = unpack(level.packed, size * static_cast<std::uint64_t>(stored.info.faces), stored.packing, where);
     for (std::size_t face = 0; face < static_cast<std::size_t>(stored.info.faces); ++face)
-      faces.push_back(
-          std::span(unpacked).subspan(face * static_cast<std::size_t>(size), static_cast<std::size_t>(size)));
+      faces.emplace_back(unpacked.data() + face * static_cast<std::size_t>(size), static_cast<std::size_t>(size));
   }
   std::vector<Image> images;
   images.reserve(faces.size());
