@@ -278,6 +278,7 @@ TextureOptions texture_options(const Profile& profile) {
       break;
     case ProfileContainer::ktx1:
       options.container = TextureContainer::ktx1;
+      options.has_filament_type = true;  // Filament alone has this container
       break;
     case ProfileContainer::dds:
       options.container = TextureContainer::dds;

@@ -8,11 +8,14 @@ namespace {
 
 constexpr std::string_view kIdentifier = "\xabKTX 11\xbb\r\n\x1a\n";
 constexpr std::uint32_t kEndianness = 0x04030201;
-constexpr std::size_t kRowAlignment = 4;  // GL_UNPACK_ALIGNMENT
+constexpr std::size_t kRowAlignment = 4;         // GL_UNPACK_ALIGNMENT
+constexpr std::uint32_t kFilamentType = 0x8c3a;  // GL_R11F_G11F_B10F, where a type should stand
 
 void name_format(std::uint32_t gl_type, std::uint32_t gl_format, std::uint32_t gl_internal, TextureInfo& info) {
   for (const TexelLayout& layout : texel_layouts()) {
-    if (layout.gl_type != gl_type || layout.gl_format != gl_format || layout.gl_internal != gl_internal) continue;
+    const bool is_type =
+        layout.gl_type == gl_type || (layout.format == TexelFormat::r11g11b10f && gl_type == kFilamentType);
+    if (!is_type || layout.gl_format != gl_format || layout.gl_internal != gl_internal) continue;
     info.texel = layout.format;
     info.format = layout.name;
     return;
@@ -68,7 +71,7 @@ StoredTexture parse_ktx1(std::span<const std::byte> bytes, const std::string& wh
   return texture;
 }
 
-std::vector<std::byte> pack_ktx1(const EncodedTexture& texture, const std::string&) {
+std::vector<std::byte> pack_ktx1(const EncodedTexture& texture, bool has_filament_type) {
   const TexelLayout& layout = texel_layout(texture.format);
   ByteWriter out, key_values;
   std::map<std::string, std::string> pairs{{"KTXorientation", "S=r,T=d"}, {"KTXwriter", "Candela"}};
@@ -77,7 +80,7 @@ std::vector<std::byte> pack_ktx1(const EncodedTexture& texture, const std::strin
 
   out.text(kIdentifier);
   out.u32(kEndianness);
-  out.u32(layout.gl_type);
+  out.u32(has_filament_type && texture.format == TexelFormat::r11g11b10f ? kFilamentType : layout.gl_type);
   out.u32(layout.type_bytes);
   out.u32(layout.gl_format);
   out.u32(layout.gl_internal);

@@ -48,7 +48,7 @@ struct EncodedTexture {
 };
 
 std::vector<std::byte> pack_ktx2(const EncodedTexture& texture, bool zstd, int zstd_level, const std::string& where);
-std::vector<std::byte> pack_ktx1(const EncodedTexture& texture, const std::string& where);
+std::vector<std::byte> pack_ktx1(const EncodedTexture& texture, bool has_filament_type);
 std::vector<std::byte> pack_dds(const EncodedTexture& texture, const std::string& where);
 
 // ----- helpers that the containers share

@@ -145,7 +145,7 @@ std::vector<std::byte> pack(const EncodedTexture& texture, const TextureOptions&
     case TextureContainer::ktx2:
       return codec::pack_ktx2(texture, options.zstd, options.zstd_level, where);
     case TextureContainer::ktx1:
-      return codec::pack_ktx1(texture, where);
+      return codec::pack_ktx1(texture, options.has_filament_type);
     case TextureContainer::dds:
       break;
   }

@@ -221,6 +221,7 @@ TEST(unit_ibl_profile, files_are_what_the_profile_says_and_name_their_axes) {
   EXPECT_EQ(options.format, TexelFormat::rgb9e5);
   EXPECT_EQ(options.key_values.at("CandelaAxes"), "+x+y-z");
   EXPECT_EQ(texture_options(find_profile("filament")).container, TextureContainer::ktx1);
+  EXPECT_TRUE(texture_options(find_profile("filament")).has_filament_type);
   EXPECT_TRUE(texture_options(find_profile("unity")).key_values.empty());  // DDS has none
   EXPECT_THROW(texture_options(find_profile("three")), Error);
   EXPECT_EQ(sh_lines(std::vector<dvec3>{{1, 0.5, 0}, {2, 3, 4}}), "1 0.5 0\n2 3 4\n");

@@ -176,6 +176,19 @@ TEST(unit_image_texture, ktx1_and_dds_keep_the_words_of_their_specifications) {
   EXPECT_EQ(texel, through(TexelFormat::rgba16f, cube.levels[0][1].rgb(0, 0)).x);
 }
 
+TEST(unit_image_texture, ktx1_for_filament_has_its_type_and_is_read) {
+  const Cubemap cube = test::numbered_cube(4, 3);
+  TextureOptions options{.container = TextureContainer::ktx1, .format = TexelFormat::r11g11b10f};
+  const Bytes plain = encode(cube, options);
+  options.has_filament_type = true;
+  const Bytes filament = encode(cube, options);
+  EXPECT_EQ(u32_at(filament, 16), 0x8c3au);
+  EXPECT_EQ(decode_texture_file(filament, "t").levels[1][2].pixels,
+            decode_texture_file(plain, "t").levels[1][2].pixels);
+  options.format = TexelFormat::rgba16f;  // the quirk is of one format
+  EXPECT_EQ(u32_at(encode(cube, options), 16), 0x140bu);
+}
+
 TEST(unit_image_texture, key_values_are_kept_and_binary_ones_measured) {
   for (const TextureContainer container : {TextureContainer::ktx1, TextureContainer::ktx2}) {
     const Bytes bytes = encode(test::numbered_cube(2, 2),
