@@ -59,7 +59,7 @@ struct TextureOptions {
   TextureContainer container = TextureContainer::ktx2;
   TexelFormat format = TexelFormat::rgba16f;
   bool zstd = true;    ///< KTX 2 only: each level packed by itself (RFC 8878)
-  int zstd_level = 9;  ///< 1 to 22; above 9 a few percent smaller and many times slower
+  int zstd_level = 3;  ///< 1 to 22; docs/performance.md says what they cost
   /// KTX 1 and r11g11b10f only: the type as Filament's tools write it and its reader wants it, GL_R11F_G11F_B10F (a
   /// name of an internal format) in place of GL_UNSIGNED_INT_10F_11F_11F_REV. Files of either type are read.
   bool has_filament_type = false;
