@@ -156,8 +156,9 @@ std::vector<double> basis(dvec3 d) {
 }
 
 TEST(unit_ibl_profile, diffuse_light_is_the_same_in_every_unit) {
-  std::vector<dvec3> radiance;
-  for (int i = 0; i < 9; ++i) radiance.emplace_back(1.0 / (1 + i), 0.3 * i - 1.0, i == 0 ? 2.0 : -0.1 * i);
+  std::vector<dvec3> radiance(9);
+  for (int i = 0; i < 9; ++i)
+    radiance[static_cast<std::size_t>(i)] = dvec3(1.0 / (1 + i), 0.3 * i - 1.0, i == 0 ? 2.0 : -0.1 * i);
   const auto harmonics = convert_sh(DiffuseUnit::irradiance_over_pi, radiance);
   const auto p = convert_sh(DiffuseUnit::polynomial_over_pi, radiance);
   const auto q = convert_sh(DiffuseUnit::powers_over_pi, radiance);

@@ -147,9 +147,10 @@ TEST(unit_image_texture, ktx2_describes_shared_exponents_by_six_samples) {
   const std::size_t samples = u32_at(bytes, 48) + 28;
   EXPECT_EQ(u32_at(bytes, 52), 4u + 24u + 6u * 16u);
   for (std::uint32_t c = 0; c < 3; ++c) {
-    EXPECT_EQ(u32_at(bytes, samples + c * 32), 9 * c | 8u << 16 | c << 24);
-    EXPECT_EQ(u32_at(bytes, samples + c * 32 + 12), 8448u);
-    EXPECT_EQ(u32_at(bytes, samples + c * 32 + 16), 27u | 4u << 16 | (c | 0x20u) << 24);
+    const std::size_t mantissa = samples + std::size_t{32} * c;
+    EXPECT_EQ(u32_at(bytes, mantissa), 9 * c | 8u << 16 | c << 24);
+    EXPECT_EQ(u32_at(bytes, mantissa + 12), 8448u);
+    EXPECT_EQ(u32_at(bytes, mantissa + 16), 27u | 4u << 16 | (c | 0x20u) << 24);
   }
 }
 

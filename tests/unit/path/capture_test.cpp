@@ -26,7 +26,7 @@ double departure(const Cubemap& cube, double value) {
 Cubemap capture(const Scene& scene, const Environment& environment, vec3 position, int size, int samples,
                 int bounces = 4) {
   path::Statistics statistics;
-  const Cubemap cube =
+  Cubemap cube =
       path::capture_environment(scene, environment, position, size, settings(1, samples, bounces), &statistics);
   EXPECT_EQ(statistics.non_finite_samples, 0U);
   EXPECT_EQ(statistics.samples, 6U * static_cast<unsigned>(size * size * samples));
@@ -48,7 +48,7 @@ TEST(unit_path_capture, inside_a_furnace_it_is_the_furnace) {
 /// A closed room whose walls glow in the colours of the faces +x -x +y -y +z -z.
 Scene coloured_room() {
   const vec3 colors[] = {{1, 0, 0}, {0, 1, 1}, {0, 1, 0}, {1, 0, 1}, {0, 0, 1}, {1, 1, 0}};
-  const vec3 x(2, 0, 0), y(0, 2, 0), z(0, 0, 2), low(-1.0f), high(1.0f);
+  const vec3 x(2, 0, 0), y(0, 2, 0), z(0, 0, 2), low(-1.0f);
   const Primitive walls[] = {quad(low + x, z, y), quad(low, y, z),     quad(low + y, x, z),
                              quad(low, z, x),     quad(low + z, y, x), quad(low, x, y)};
   SceneBuilder b;
