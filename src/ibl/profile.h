@@ -54,10 +54,9 @@ struct Profile {
   CubeAxes sh_axes;     ///< by which the harmonics are evaluated
   float panorama_turn;  ///< of a turn, added to the u of an Environment
   RoughnessCurve curve;
-  int size;               ///< of level 0, unless asked otherwise
-  int levels;             ///< unless asked otherwise
-  bool is_filtered;       ///< the engine takes our levels; else it filters level 0 itself
-  bool needs_all_levels;  ///< down to one texel: the engine cannot be told that there are fewer
+  int size;          ///< of level 0, unless asked otherwise
+  int levels;        ///< unless asked otherwise
+  bool is_filtered;  ///< the engine takes our levels; else it filters level 0 itself
   ProfileContainer container;
   TexelFormat format;
   bool has_zstd;
