@@ -50,7 +50,7 @@ class Writer {
   }
 
  private:
-  void write_cube(const std::string& name, const Cubemap& world, TextureOptions options) {
+  void write_cube(const std::string& name, const Cubemap& world, const TextureOptions& options) {
     const char* extension = options.container == TextureContainer::ktx2   ? ".ktx2"
                             : options.container == TextureContainer::ktx1 ? ".ktx"
                                                                           : ".dds";
