@@ -140,6 +140,14 @@ void check_options(const TextureOptions& options, const std::string& where) {
   if (options.zstd_level < 1 || options.zstd_level > 22) throw Error("zstd levels are 1 to 22", where);
 }
 
+/// What no reader of ours takes is not written either; a KTX 1 counts the bytes of a face in 32 bits.
+void check_size(int width, int height, TexelFormat format, const std::string& where) {
+  constexpr std::uint64_t kMostFaceBytes = std::uint64_t{1} << 31;
+  if (width > codec::kMaxTextureSize || height > codec::kMaxTextureSize ||
+      codec::face_bytes(texel_layout(format), width, height, 4) > kMostFaceBytes)
+    throw Error("a texture of " + std::to_string(width) + " x " + std::to_string(height) + " is too large", where);
+}
+
 std::vector<std::byte> pack(const EncodedTexture& texture, const TextureOptions& options, const std::string& where) {
   switch (options.container) {
     case TextureContainer::ktx2:
@@ -267,6 +275,7 @@ std::vector<std::byte> encode_texture(const Cubemap& cube, const TextureOptions&
                                       const std::string& where) {
   check_options(options, where);
   check_cube(cube, where);
+  check_size(cube.size(), cube.size(), options.format, where);
   EncodedTexture texture{.format = options.format,
                          .width = cube.size(),
                          .height = cube.size(),
@@ -284,6 +293,7 @@ std::vector<std::byte> encode_texture(const Image& image, const TextureOptions& 
                                       const std::string& where) {
   check_options(options, where);
   if (image.empty()) throw Error("cannot write an empty texture", where);
+  check_size(image.width, image.height, options.format, where);
   EncodedTexture texture{.format = options.format,
                          .width = image.width,
                          .height = image.height,

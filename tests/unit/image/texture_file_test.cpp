@@ -226,6 +226,7 @@ TEST(unit_image_texture, what_cannot_be_written_is_an_error_and_leaves_no_file) 
   Cubemap cube = test::numbered_cube(4, 2);
   EXPECT_THROW(write_texture(folder / "a.ktx2", Cubemap(), {}), Error);
   EXPECT_THROW(write_texture(folder / "a.ktx2", Image(), {}), Error);
+  EXPECT_THROW(write_texture(folder / "a.ktx2", Image(16385, 1, 1), {}), Error);
   EXPECT_THROW(write_texture(folder / "a.ktx2", cube, {.format = TexelFormat::rgba8}), Error);
   EXPECT_THROW(write_texture(folder / "a.ktx2", cube, {.zstd_level = 0}), Error);
   EXPECT_THROW(
