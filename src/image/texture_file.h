@@ -68,8 +68,8 @@ struct TextureOptions {
 };
 
 /// Writes a cube map with its levels, or a 2-D texture of one level, whole or not at all. Says what the format could
-/// not hold. Throws Error for more than 16384 texels a side, where a level is not half of the one before, or where the container has no name for the
-/// format. The same pixels give the same bytes.
+/// not hold. Throws Error for more than 16384 texels a side, where a level is not half of the one before, or where the
+/// container has no name for the format. The same pixels give the same bytes.
 EncodingLoss write_texture(const std::filesystem::path& path, const Cubemap& cube, const TextureOptions& options);
 EncodingLoss write_texture(const std::filesystem::path& path, const Image& image, const TextureOptions& options);
 
