@@ -1,4 +1,4 @@
-// From the film to the file: 1280 x 720, a smooth picture with noise.
+// From the film to the file: 1280 x 720, a smooth picture with noise. And baked light to the texture and back.
 
 #include <benchmark/benchmark.h>
 #include <unistd.h>
@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "image/develop.h"
+#include "image/texture_file.h"
 #include "math/hash.h"
 
 namespace {
@@ -48,5 +49,56 @@ BENCHMARK_CAPTURE(write_film, png, "png")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(write_film, jpg, "jpg")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(write_film, exr, "exr")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(write_film, hdr, "hdr")->Unit(benchmark::kMillisecond);
+
+/// 256² with five smaller levels, smooth with noise.
+candela::Cubemap noisy_cube() {
+  candela::Cubemap cube;
+  std::uint32_t state = 1;
+  for (int size = 256; size >= 8; size /= 2) {
+    cube.levels.push_back(candela::make_cube_faces(size));
+    for (candela::Image& face : cube.levels.back()) {
+      for (std::size_t i = 0; i < face.pixels.size(); ++i) {
+        state = candela::hash(state);
+        const float gradient = static_cast<float>(i) / static_cast<float>(face.pixels.size());
+        face.pixels[i] = gradient + 0.05f * candela::unit_float(state);
+      }
+    }
+  }
+  return cube;
+}
+
+/// The argument is the level of Zstandard, 0 = not packed. "bytes" is the size of the file.
+void encode_ktx2(benchmark::State& state, candela::TexelFormat format) {
+  const candela::Cubemap cube = noisy_cube();
+  const int level = static_cast<int>(state.range(0));
+  candela::EncodingLoss loss;
+  std::size_t bytes = 0;
+  for (auto _ : state) {
+    bytes = candela::encode_texture(cube, {.format = format, .zstd = level > 0, .zstd_level = std::max(level, 1)}, loss,
+                                    "bench")
+                .size();
+  }
+  state.counters["bytes"] = static_cast<double>(bytes);
+}
+BENCHMARK_CAPTURE(encode_ktx2, rgba16f, candela::TexelFormat::rgba16f)
+    ->Arg(0)
+    ->Arg(3)
+    ->Arg(9)
+    ->Arg(19)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(encode_ktx2, rgb9e5, candela::TexelFormat::rgb9e5)
+    ->Arg(0)
+    ->Arg(3)
+    ->Arg(9)
+    ->Arg(19)
+    ->Unit(benchmark::kMillisecond);
+
+void decode_ktx2(benchmark::State& state, candela::TexelFormat format) {
+  candela::EncodingLoss loss;
+  const std::vector<std::byte> bytes = candela::encode_texture(noisy_cube(), {.format = format}, loss, "bench");
+  for (auto _ : state) benchmark::DoNotOptimize(candela::decode_texture_file(bytes, "bench"));
+}
+BENCHMARK_CAPTURE(decode_ktx2, rgba16f, candela::TexelFormat::rgba16f)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(decode_ktx2, rgb9e5, candela::TexelFormat::rgb9e5)->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -12,6 +12,8 @@ if(NOT embree_FOUND)
   find_package(embree 3.13 REQUIRED)
 endif()
 find_package(libjpeg-turbo REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(zstd REQUIRED)
 if(CANDELA_TESTS)
   # A second opinion on image files. SYSTEM so that its warnings stay its own.
   find_path(CANDELA_STB_INCLUDE stb_image.h PATH_SUFFIXES stb REQUIRED)

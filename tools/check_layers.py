@@ -33,7 +33,7 @@ THIRD_PARTY = {
     "Imf": {"image"},
     "OpenEXR/": {"image"},
     "embree": {"path"},
-    "fmt/": {"app", "candela", "image", "io", "path", "scene"},
+    "fmt/": {"app", "candela", "ibl", "image", "io", "path", "scene"},
     "glm/": set(ALLOWED) | {"app"},
     "jpeglib.h": {"image"},
     "nlohmann/": {"app", "io"},

@@ -250,15 +250,18 @@ Verb add_info(CLI::App& app) {
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("info", "Say what a scene or an image file holds")->group("Verbs");
-  verb->add_option("FILE", options->file, "A .glb or .gltf, a demo:NAME, or an .exr, .hdr, .png or .jpg image")
+  CLI::App* verb = app.add_subcommand("info", "Say what a scene, an image or a texture file holds")->group("Verbs");
+  verb->add_option("FILE", options->file,
+                   "A .glb or .gltf, a demo:NAME, an .exr, .hdr, .png or .jpg image, or a .ktx2, .ktx or .dds texture")
       ->required()
       ->type_name("");
   verb->add_flag("--json", options->json, "For a machine: one JSON object");
   verb->footer("Examples:\n  candela info helmet.glb\n  candela info picture.exr --json");
   return [options] {
     if (options->file.empty()) throw UsageError("FILE: the name is empty");
-    const Report report = is_image_file(options->file) ? image_report(options->file) : scene_report(options->file);
+    const Report report = is_image_file(options->file)     ? image_report(options->file)
+                          : is_texture_file(options->file) ? texture_report(options->file)
+                                                           : scene_report(options->file);
     print(options->json ? report.json : report.text);
   };
 }

@@ -3,6 +3,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
+
+#include "image/image.h"
 
 namespace candela::cli {
 
@@ -14,7 +17,24 @@ struct Report {
 
 bool is_image_file(const std::filesystem::path& path);
 Report image_report(const std::filesystem::path& path);
+bool is_texture_file(const std::filesystem::path& path);
+Report texture_report(const std::filesystem::path& path);  ///< KTX and DDS
 Report scene_report(const std::string& scene);
+
+/// Luminance of a picture's finite pixels, each counting the same.
+struct Luminance {
+  float least = kInfinity;
+  float most = -kInfinity;
+  double sum = 0.0;
+  std::size_t count = 0;
+  std::size_t non_finite = 0;
+
+  double mean() const { return count > 0 ? sum / static_cast<double>(count) : 0.0; }
+};
+Luminance measure(const Image& image);
+
+/// The first bytes of a file; none of what is no file.
+std::vector<std::byte> head_of(const std::filesystem::path& path, std::size_t count);
 
 /// Name and value in two columns, one line each.
 class Table {

@@ -1,14 +1,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <array>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "cli/info.h"
 #include "cli/values.h"
+#include "image/cube_layout.h"
 #include "image/image_file.h"
 
 namespace candela::cli {
@@ -17,24 +18,44 @@ namespace fs = std::filesystem;
 
 namespace {
 
-ImageFormat format_of(const fs::path& path) {
-  std::array<char, 16> head{};
-  std::error_code code;
-  if (!fs::is_regular_file(path, code)) return ImageFormat::unknown;
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(head.data(), head.size());
-  return sniff_image_format(std::as_bytes(std::span(head.data(), static_cast<std::size_t>(stream.gcount()))));
+ImageFormat format_of(const fs::path& path) { return sniff_image_format(head_of(path, 16)); }
+
+/// "albedo" of "albedo.R"; channels without a dot are the picture itself.
+std::set<std::string> layer_names(const std::vector<std::string>& channels) {
+  std::set<std::string> layers;
+  for (const std::string& channel : channels) {
+    const std::size_t dot = channel.rfind('.');
+    if (dot != std::string::npos) layers.insert(channel.substr(0, dot));
+  }
+  return layers;
 }
 
-struct Luminance {
-  float least = kInfinity;
-  float most = -kInfinity;
-  double sum = 0.0;
-  std::size_t count = 0;
-  std::size_t non_finite = 0;
+bool is_black(const Image& image, int x0, int y0, int width, int height) {
+  for (int y = y0; y < y0 + height; ++y)
+    for (int x = x0; x < x0 + width; ++x)
+      if (image.rgb(x, y) != vec3(0.0f)) return false;
+  return true;
+}
 
-  double mean() const { return count > 0 ? sum / static_cast<double>(count) : 0.0; }
-};
+/// What cube map a picture may be. Crosses have the shape of many a photograph, so their empty corner counts.
+std::optional<CubeLayout> cube_layout_of(const Image& image) {
+  const std::optional<CubeLayout> layout = detect_layout(image.width, image.height);
+  if (layout == CubeLayout::cross_4x3 && !is_black(image, 0, 0, image.width / 4, image.height / 3)) return std::nullopt;
+  if (layout == CubeLayout::cross_3x4 && !is_black(image, 0, 0, image.width / 3, image.height / 4)) return std::nullopt;
+  return layout;
+}
+
+}  // namespace
+
+std::vector<std::byte> head_of(const fs::path& path, std::size_t count) {
+  std::vector<std::byte> head(count);
+  std::error_code code;
+  if (!fs::is_regular_file(path, code)) return {};
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(count));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  return head;
+}
 
 Luminance measure(const Image& image) {
   Luminance result;
@@ -54,18 +75,6 @@ Luminance measure(const Image& image) {
   return result;
 }
 
-/// "albedo" of "albedo.R"; channels without a dot are the picture itself.
-std::set<std::string> layer_names(const std::vector<std::string>& channels) {
-  std::set<std::string> layers;
-  for (const std::string& channel : channels) {
-    const std::size_t dot = channel.rfind('.');
-    if (dot != std::string::npos) layers.insert(channel.substr(0, dot));
-  }
-  return layers;
-}
-
-}  // namespace
-
 bool is_image_file(const fs::path& path) { return format_of(path) != ImageFormat::unknown; }
 
 Report image_report(const fs::path& path) {
@@ -78,7 +87,8 @@ Report image_report(const fs::path& path) {
   nlohmann::ordered_json json{{"file", path.string()},         {"kind", "image"},
                               {"format", format_name(format)}, {"width", image.width},
                               {"height", image.height},        {"channels", image.channels},
-                              {"luminance", nullptr},          {"non_finite_pixels", light.non_finite}};
+                              {"luminance", nullptr},          {"non_finite_pixels", light.non_finite},
+                              {"cube_layout", nullptr}};
   Table table;
   table.row("file", path.string());
   table.row("format", format_name(format));
@@ -88,6 +98,10 @@ Report image_report(const fs::path& path) {
   if (light.count > 0) {
     json["luminance"] = {{"min", light.least}, {"max", light.most}, {"mean", light.mean()}};
     table.row("luminance", fmt::format("min {:.6g}, max {:.6g}, mean {:.6g}", light.least, light.most, light.mean()));
+  }
+  if (const std::optional<CubeLayout> layout = cube_layout_of(image)) {
+    json["cube_layout"] = layout_name(*layout);
+    table.row("cube map", fmt::format("perhaps: it has the shape of a {}", layout_name(*layout)));
   }
   if (light.non_finite > 0) table.row("not finite", fmt::format("{} pixels", light.non_finite));
   if (format == ImageFormat::exr) {

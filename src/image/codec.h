@@ -2,9 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 
+#include "image/develop.h"
 #include "image/image.h"
 
 // What image_file.cpp dispatches to, one file per format. Private to this folder. All throw Error(…, where).
@@ -24,5 +26,8 @@ TextureImage decode_png(std::span<const std::byte> bytes, const std::string& whe
 TextureImage decode_jpeg(std::span<const std::byte> bytes, const std::string& where);
 Image decode_hdr(std::span<const std::byte> bytes, const std::string& where);
 Image decode_exr(std::span<const std::byte> bytes, const std::string& layer, const std::string& where);
+
+/// Like write_png, for numbers that are no colours of a display: the file says nothing of sRGB.
+void write_png_data(const std::filesystem::path& path, const DisplayImage& image);
 
 }  // namespace candela::codec

@@ -111,6 +111,7 @@ void check_plausible(const PngReader& reader, const std::string& where) {
 struct PngWriter : PngContext {
   const DisplayImage* image = nullptr;
   bool opaque = false;
+  bool is_srgb = true;
   std::uint8_t* row = nullptr;  ///< room for one RGB row
   std::vector<std::byte>* out = nullptr;
 
@@ -146,7 +147,7 @@ void write_all(PngWriter& writer) {
   png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
                8, writer.opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB_gAMA_and_cHRM(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
+  if (writer.is_srgb) png_set_sRGB_gAMA_and_cHRM(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
   // Measured on 1280 x 720 rendered pictures with little and much noise, against level 1 and other filters: the
   // smallest files among those that take less than 45 ms on one core (level 6 with all filters: 1 % to 30 % smaller,
   // 200 to 500 ms).
@@ -204,7 +205,9 @@ TextureImage codec::decode_png(std::span<const std::byte> bytes, const std::stri
   return image;
 }
 
-void write_png(const std::filesystem::path& path, const DisplayImage& image) {
+namespace {
+
+void write(const std::filesystem::path& path, const DisplayImage& image, bool is_srgb) {
   std::vector<std::byte> bytes;
   bytes.reserve(image.rgba.size() / 2);
   std::vector<std::uint8_t> row(static_cast<std::size_t>(image.width) * 3);
@@ -212,10 +215,17 @@ void write_png(const std::filesystem::path& path, const DisplayImage& image) {
   if (!writer.png || !writer.info) throw Error("out of memory", path.string());
   writer.image = &image;
   writer.opaque = is_opaque(image);
+  writer.is_srgb = is_srgb;
   writer.row = row.data();
   writer.out = &bytes;
   if (!guarded(writer, write_all)) throw Error(std::string("cannot encode PNG: ") + writer.message, path.string());
   write_file(path, bytes);
 }
+
+}  // namespace
+
+void write_png(const std::filesystem::path& path, const DisplayImage& image) { write(path, image, true); }
+
+void codec::write_png_data(const std::filesystem::path& path, const DisplayImage& image) { write(path, image, false); }
 
 }  // namespace candela

@@ -10,6 +10,24 @@ import candela
 from candela import CliTest, TINY, triangle_glb, variants_gltf
 
 
+def ktx2_cube(levels):
+    """Faces of one grey each, 32-bit float RGBA, the smallest level first as the specification wants it."""
+    pair = b"maker\0candela tests\0"
+    pairs = struct.pack("<I", len(pair)) + pair + bytes(-len(pair) % 4)
+    size = 1 << (len(levels) - 1)
+    index, data, at = {}, b"", 80 + 24 * len(levels) + len(pairs)
+    padding = -at % 16
+    data += bytes(padding)
+    for number in reversed(range(len(levels))):
+        side = size >> number
+        level = b"".join(struct.pack("<4f", grey, grey, grey, 1) * (side * side) for grey in levels[number])
+        index[number] = struct.pack("<3Q", at + len(data), len(level), len(level))
+        data += level
+    head = b"\xabKTX 20\xbb\r\n\x1a\n" + struct.pack("<9I", 109, 4, size, size, 0, 0, 6, len(levels), 0)
+    head += struct.pack("<4I2Q", 0, 0, 80 + 24 * len(levels), len(pairs), 0, 0)
+    return head + b"".join(index[number] for number in range(len(levels))) + pairs + data
+
+
 class Info(CliTest):
     def json_of(self, name):
         return json.loads(self.succeeds("info", name, "--json").out)
@@ -134,6 +152,48 @@ class Info(CliTest):
             info = self.json_of(name)
             self.assertEqual((info["kind"], info["format"], info["width"], info["height"]), ("image", kind, 16, 12))
         self.assertRegex(self.succeeds("info", "a.exr").out, r"(?m)^size +16 x 12$")
+
+    def test_texture_levels_are_measured_by_solid_angle(self):
+        (self.folder / "a.ktx2").write_bytes(ktx2_cube([[1, 1, 1, 1, 1, 4], [2] * 6]))
+        info = self.json_of("a.ktx2")
+        self.assertEqual((info["kind"], info["container"], info["format"]), ("texture", "KTX 2", "rgba32f"))
+        self.assertEqual((info["width"], info["height"], info["faces"]), (2, 2, 6))
+        self.assertEqual(info["supercompression"], "none")
+        self.assertEqual(info["key_values"], {"maker": "candela tests"})
+        self.assertEqual([level["bytes"] for level in info["levels"]], [384, 96])
+        first, second = (level["luminance"] for level in info["levels"])
+        self.assertEqual((first["min"], first["max"]), (1.0, 4.0))
+        self.assertAlmostEqual(first["mean"], 1.5, delta=1e-12)
+        self.assertAlmostEqual(second["mean"], 2.0, delta=1e-12)
+        text = self.succeeds("info", "a.ktx2").out
+        self.assertRegex(text, r"(?m)^type +cube map$")
+        self.assertRegex(text, r"(?m)^ +1 1 x 1, 96 B, luminance min 2, max 2, mean 2$")
+
+    def test_texture_with_unknown_pixels_is_described(self):
+        whole = ktx2_cube([[1] * 6])
+        (self.folder / "a.ktx2").write_bytes(whole[:12] + struct.pack("<I", 143) + whole[16:])
+        info = self.json_of("a.ktx2")
+        self.assertEqual((info["format"], info["levels"][0]["luminance"]), ("bc6h-ufloat", None))
+        self.assertRegex(self.succeeds("info", "a.ktx2").out, r"(?m)^pixels +not read$")
+
+    def test_damaged_textures(self):
+        whole = ktx2_cube([[1] * 6])
+        for count in list(range(12, len(whole), 17)) + [len(whole) - 1]:
+            (self.folder / "cut.ktx2").write_bytes(whole[:count])
+            self.fails("info", "cut.ktx2", says="cut.ktx2.*truncated")
+
+    def test_crosses_are_recognised_by_shape_and_empty_corner(self):
+        def hdr(width, height, corner):
+            pixels = bytearray(bytes([128, 128, 128, 129]) * (width * height))
+            pixels[0:4] = bytes([corner, corner, corner, 129])
+            head = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n"
+            (self.folder / "a.hdr").write_bytes(head.encode() + pixels)
+            return self.json_of("a.hdr")["cube_layout"]
+
+        self.assertEqual(hdr(4, 3, 0), "cross-4x3")
+        self.assertIsNone(hdr(4, 3, 128))
+        self.assertEqual(hdr(6, 1, 128), "strip-6x1")
+        self.assertIsNone(hdr(4, 2, 0))
 
     def test_bad_files(self):
         self.fails("info", "absent.glb", says="absent.glb: no such file")

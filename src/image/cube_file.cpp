@@ -1,0 +1,289 @@
+#include "image/cube_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "image/codec.h"
+#include "image/develop.h"
+#include "image/film.h"
+#include "image/image_file.h"
+#include "image/texture_file.h"
+
+namespace candela {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using FaceNames = std::array<std::string_view, 6>;
+constexpr std::array<FaceNames, 3> kNameSets{{kFaceNames,
+                                              {"posx", "negx", "posy", "negy", "posz", "negz"},
+                                              {"right", "left", "top", "bottom", "front", "back"}}};
+
+std::vector<std::byte> first_bytes(const fs::path& path, std::size_t count) {
+  std::vector<std::byte> bytes(count);
+  std::error_code code;
+  if (!fs::is_regular_file(path, code)) return {};
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+// ----- six files
+
+/// "sky_px" and "px" end in the name "px"; "apx" does not.
+bool ends_in_name(const std::string& stem, std::string_view name) {
+  if (!stem.ends_with(name)) return false;
+  if (stem.size() == name.size()) return true;
+  const char before = stem[stem.size() - name.size() - 1];
+  return before == '_' || before == '-' || before == '.';
+}
+
+/// The pictures of a folder, in order, so that the same folder gives the same answer.
+std::vector<fs::path> pictures_in(const fs::path& folder) {
+  std::vector<fs::path> pictures;
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    if (sniff_image_format(first_bytes(entry.path(), 16)) != ImageFormat::unknown) pictures.push_back(entry.path());
+  std::sort(pictures.begin(), pictures.end());
+  return pictures;
+}
+
+using SixPaths = std::array<fs::path, 6>;
+
+std::optional<SixPaths> six_in_folder(const fs::path& folder) {
+  const std::vector<fs::path> pictures = pictures_in(folder);
+  for (const FaceNames& names : kNameSets) {
+    SixPaths paths;
+    bool all = true;
+    for (std::size_t face = 0; face < 6; ++face) {
+      const auto is_face = [&](const fs::path& p) { return ends_in_name(p.stem().string(), names[face]); };
+      const auto found = std::find_if(pictures.begin(), pictures.end(), is_face);
+      if (found == pictures.end()) {
+        all = false;
+        break;
+      }
+      if (std::find_if(found + 1, pictures.end(), is_face) != pictures.end())
+        throw Error("more than one picture is called \"" + std::string(names[face]) + "\"", folder.string());
+      paths[face] = *found;
+    }
+    if (all) return paths;
+  }
+  return std::nullopt;
+}
+
+std::optional<SixPaths> six_by_pattern(const std::string& pattern) {
+  const std::size_t at = pattern.find("%s");
+  for (const FaceNames& names : kNameSets) {
+    SixPaths paths;
+    bool all = true;
+    for (std::size_t face = 0; face < 6; ++face) {
+      paths[face] = std::string(pattern).replace(at, 2, names[face]);
+      std::error_code code;
+      all = all && fs::is_regular_file(paths[face], code);
+    }
+    if (all) return paths;
+  }
+  return std::nullopt;
+}
+
+bool is_pattern(const fs::path& path) { return path.string().find("%s") != std::string::npos; }
+
+SixPaths find_six(const fs::path& path) {
+  const std::optional<SixPaths> six = is_pattern(path) ? six_by_pattern(path.string()) : six_in_folder(path);
+  if (six) return *six;
+  throw Error("no six pictures called px nx py ny pz nz, posx negx ... or right left top bottom front back",
+              path.string());
+}
+
+Image without_alpha(const Image& image) {
+  if (image.channels == 3) return image;
+  Image result(image.width, image.height, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) result.set_rgb(x, y, image.rgb(x, y));
+  return result;
+}
+
+CubeFaces read_six(const SixPaths& paths) {
+  CubeFaces faces;
+  for (std::size_t face = 0; face < 6; ++face) {
+    faces[face] = without_alpha(read_image(paths[face]));
+    if (faces[face].width != faces[face].height) throw Error("a face of a cube map is square", paths[face].string());
+    if (faces[face].width != faces[0].width)
+      throw Error("differs in size from \"" + paths[0].filename().string() + "\"", paths[face].string());
+  }
+  return faces;
+}
+
+// ----- pictures and textures
+
+/// Empty where it cannot be known.
+std::optional<ivec2> picture_size(const fs::path& path) {
+  try {
+    const ImageFormat format = sniff_image_format(first_bytes(path, 16));
+    if (format == ImageFormat::unknown) return std::nullopt;
+    if (format == ImageFormat::png || format == ImageFormat::jpeg)
+      return read_image_size(read_file(path), path.string());
+    const Image image = read_image(path);
+    return ivec2(image.width, image.height);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+bool is_cube_texture(const fs::path& path) {
+  try {
+    return read_texture_info(path).faces == 6;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+Cubemap cube_of_texture(TextureFile file, const std::string& where) {
+  if (file.info.faces != 6) throw Error("a texture, but no cube map", where);
+  Cubemap cube;
+  for (std::vector<Image>& level : file.levels)
+    std::move(level.begin(), level.end(), cube.levels.emplace_back().begin());
+  return cube;
+}
+
+CubeAxes axes_of_texture(const TextureInfo& info, const std::string& where) {
+  const auto key = info.key_values.find(kAxesKey);
+  if (key == info.key_values.end()) return {};
+  const std::optional<CubeAxes> axes = parse_axes(key->second);
+  if (!axes) throw Error("damaged: the key " + std::string(kAxesKey) + " is \"" + key->second + "\"", where);
+  return *axes;
+}
+
+Cubemap read_cube_texture(const fs::path& path, const std::optional<CubeAxes>& axes) {
+  TextureFile file = read_texture_file(path);
+  const CubeAxes lookup = axes ? *axes : axes_of_texture(file.info, path.string());
+  Cubemap cube = cube_of_texture(std::move(file), path.string());
+  return lookup == CubeAxes() ? cube : world_from_file(cube, lookup);
+}
+
+Cubemap cube_of_picture(const Image& image, CubeLayout layout, const std::optional<CubeAxes>& axes) {
+  Cubemap cube;
+  cube.levels.push_back(world_from_file(faces_from_layout(image, layout), axes.value_or(kPictureAxes)));
+  return cube;
+}
+
+Cubemap read_six_files(const fs::path& path, const std::optional<CubeAxes>& axes) {
+  Cubemap cube;
+  cube.levels.push_back(world_from_file(read_six(find_six(path)), axes.value_or(kPictureAxes)));
+  return cube;
+}
+
+// ----- RGBM
+
+std::array<std::uint8_t, 4> rgbm_texel(vec3 color, const Rgbm& rgbm, EncodingLoss& loss) {
+  const float maximum = rgbm.is_squared ? rgbm.range * rgbm.range : rgbm.range;
+  vec3 scaled(0.0f);
+  for (int c = 0; c < 3; ++c) {
+    const float clamped = color[c] > 0.0f ? std::min(color[c], maximum) : 0.0f;
+    scaled[c] = (rgbm.is_squared ? std::sqrt(clamped) : clamped) / rgbm.range;
+  }
+  if (!is_finite(color)) {
+    ++loss.non_finite;
+  } else {
+    const float largest = max_component(color);
+    loss.clamped += largest > maximum ? 1 : 0;
+    loss.negative += std::min({color.x, color.y, color.z}) < 0.0f ? 1 : 0;
+    if (largest > maximum) loss.largest = std::max(loss.largest, largest);
+  }
+  // The multiplier is rounded up, so that no channel needs more than 1; a black texel keeps the smallest.
+  const float alpha = std::max(std::ceil(max_component(scaled) * 255.0f), 1.0f);
+  std::array<std::uint8_t, 4> texel{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float part = std::min(scaled[static_cast<int>(c)] * 255.0f / alpha, 1.0f);
+    texel[c] = static_cast<std::uint8_t>(part * 255.0f + 0.5f);
+  }
+  texel[3] = static_cast<std::uint8_t>(alpha);
+  return texel;
+}
+
+}  // namespace
+
+CubeSource find_cube_source(const fs::path& path) {
+  std::error_code code;
+  try {
+    if (fs::is_directory(path, code)) return six_in_folder(path) ? CubeSource::six_files : CubeSource::none;
+  } catch (const Error&) {
+    return CubeSource::six_files;  // two of a name: reading it says so
+  }
+  if (!fs::exists(path, code) && is_pattern(path))
+    return six_by_pattern(path.string()) ? CubeSource::six_files : CubeSource::none;
+  if (sniff_texture(first_bytes(path, 16))) return is_cube_texture(path) ? CubeSource::texture : CubeSource::none;
+  const std::optional<ivec2> size = picture_size(path);
+  return size && detect_layout(size->x, size->y) ? CubeSource::layout : CubeSource::none;
+}
+
+EnvironmentFile read_environment_file(const fs::path& path, std::optional<CubeAxes> axes) {
+  EnvironmentFile file;
+  std::error_code code;
+  if (fs::is_directory(path, code) || (!fs::exists(path, code) && is_pattern(path))) {
+    file.cube = read_six_files(path, axes);
+  } else if (sniff_texture(first_bytes(path, 16))) {
+    file.cube = read_cube_texture(path, axes);
+  } else {
+    file.panorama = read_image(path);
+    if (const auto layout = detect_layout(file.panorama.width, file.panorama.height)) {
+      file.cube = cube_of_picture(file.panorama, *layout, axes);
+      file.panorama = {};
+    }
+  }
+  return file;
+}
+
+Cubemap read_cubemap(const fs::path& path, std::optional<CubeAxes> axes) {
+  EnvironmentFile file = read_environment_file(path, axes);
+  if (!file.cube.empty()) return std::move(file.cube);
+  throw Error("a picture of " + std::to_string(file.panorama.width) + " x " + std::to_string(file.panorama.height) +
+                  " is no cube map: crosses are 4:3 or 3:4, strips 6:1 or 1:6",
+              path.string());
+}
+
+void write_linear_image(const fs::path& path, const Image& image) {
+  const std::string extension = path.extension().string();
+  if (extension == ".hdr") return write_hdr(path, image);
+  if (extension != ".exr") throw Error("linear pictures are written as .exr or .hdr", path.string());
+  Film film;
+  film.beauty = image;
+  write_exr(path, film);
+}
+
+std::vector<fs::path> write_cube_faces(const fs::path& path, const Cubemap& cube) {
+  std::vector<fs::path> paths;
+  for (std::size_t level = 0; level < cube.levels.size(); ++level) {
+    for (std::size_t face = 0; face < 6; ++face) {
+      const std::string mip = cube.levels.size() > 1 ? "_m" + std::to_string(level) : "";
+      const std::string name = path.stem().string() + mip + "_" + std::string(kFaceNames[face]);
+      paths.push_back(path.parent_path() / (name + path.extension().string()));
+      write_linear_image(paths.back(), cube.levels[level][face]);
+    }
+  }
+  return paths;
+}
+
+EncodingLoss write_rgbm_png(const fs::path& path, const Image& image, const Rgbm& rgbm) {
+  if (!(rgbm.range > 0.0f) || !std::isfinite(rgbm.range))
+    throw Error("the range of RGBM must be above 0", path.string());
+  if (image.empty()) throw Error("cannot write an empty picture", path.string());
+  EncodingLoss loss;
+  DisplayImage out{image.width, image.height, {}};
+  out.rgba.reserve(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const std::array<std::uint8_t, 4> texel = rgbm_texel(image.rgb(x, y), rgbm, loss);
+      out.rgba.insert(out.rgba.end(), texel.begin(), texel.end());
+    }
+  }
+  codec::write_png_data(path, out);
+  return loss;
+}
+
+}  // namespace candela

@@ -1,0 +1,232 @@
+#include <zstd.h>
+
+#include <bit>
+#include <numeric>
+
+#include "image/codec.h"
+#include "image/texture_codec.h"
+
+// Khronos Group, "KTX File Format Specification" 2.0 and "Khronos Data Format Specification" 1.3, § 5 (the basic
+// descriptor block).
+namespace candela::codec {
+
+namespace {
+
+constexpr std::string_view kIdentifier = "\xabKTX 20\xbb\r\n\x1a\n";
+constexpr std::size_t kHeaderBytes = 80;
+constexpr std::size_t kLevelIndexBytes = 24;  // per level
+constexpr std::uint32_t kSchemeZstd = 2;
+
+struct Scheme {
+  Packing packing;
+  std::string name;
+};
+
+Scheme scheme_of(std::uint32_t number) {
+  switch (number) {
+    case 0:
+      return {Packing::none, "none"};
+    case 1:
+      return {Packing::unknown, "BasisLZ"};
+    case kSchemeZstd:
+      return {Packing::zstd, "zstd"};
+    case 3:
+      return {Packing::zlib, "zlib"};
+    default:
+      return {Packing::unknown, "scheme " + std::to_string(number)};
+  }
+}
+
+void name_format(std::uint32_t vk_format, TextureInfo& info) {
+  for (const TexelLayout& layout : texel_layouts()) {
+    if (layout.vk_format != vk_format) continue;
+    info.texel = layout.format;
+    info.format = layout.name;
+    return;
+  }
+  info.format = vk_format == 0     ? "undefined (a universal format)"
+                : vk_format == 143 ? "bc6h-ufloat"
+                : vk_format == 144 ? "bc6h-sfloat"
+                                   : "VkFormat " + std::to_string(vk_format);
+}
+
+struct LevelIndex {
+  std::uint64_t offset, length, uncompressed;
+};
+
+/// A level's place in the file, its lengths compared with what its size asks for.
+StoredLevel stored_level(const ByteReader& in, const TextureInfo& info, std::size_t number, const LevelIndex& index,
+                         Packing packing, const std::string& where) {
+  StoredLevel level;
+  level.width = level_size(info.width, number);
+  level.height = level_size(info.height, number);
+  const std::uint64_t face = face_bytes(texel_layout(*info.texel), level.width, level.height, 1);
+  const std::uint64_t expected = face * static_cast<std::uint64_t>(info.faces);
+  const std::uint64_t stated = packing == Packing::none ? index.length : index.uncompressed;
+  if (stated != expected) {
+    throw Error("damaged: level " + std::to_string(number) + " has " + std::to_string(stated) + " bytes, not " +
+                    std::to_string(expected),
+                where);
+  }
+  const std::span<const std::byte> bytes = in.part(index.offset, index.length);
+  if (packing != Packing::none) {
+    level.packed = bytes;
+    return level;
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(info.faces); ++i)
+    level.faces.push_back(bytes.subspan(i * static_cast<std::size_t>(face), static_cast<std::size_t>(face)));
+  return level;
+}
+
+// ----- the data format descriptor
+
+constexpr std::uint32_t kRed = 0, kGreen = 1, kBlue = 2, kAlpha = 15;
+constexpr std::uint32_t kExponent = 0x20, kSigned = 0x40, kFloat = 0x80;
+
+struct Sample {
+  std::uint32_t bit_offset, bits, channel, qualifiers, lower, upper;
+};
+
+std::vector<Sample> samples_of(const TexelLayout& layout) {
+  const auto one = std::bit_cast<std::uint32_t>(1.0f);
+  if (layout.format == TexelFormat::rgb9e5) {
+    // Data Format Specification, example of a shared exponent: the largest mantissa of a channel and its exponent.
+    std::vector<Sample> samples;
+    for (const std::uint32_t channel : {kRed, kGreen, kBlue}) {
+      samples.push_back({9 * channel, 9, channel, 0, 0, 8448});
+      samples.push_back({27, 5, channel, kExponent, 15, 31});
+    }
+    return samples;
+  }
+  if (layout.format == TexelFormat::r11g11b10f)
+    return {{0, 11, kRed, kFloat, 0, one}, {11, 11, kGreen, kFloat, 0, one}, {22, 10, kBlue, kFloat, 0, one}};
+  std::vector<Sample> samples;
+  const std::uint32_t bits = 8 * layout.type_bytes;
+  for (std::uint32_t c = 0; c < static_cast<std::uint32_t>(layout.channels); ++c)
+    samples.push_back(
+        {c * bits, bits, c == 3 ? kAlpha : c, kSigned | kFloat, std::bit_cast<std::uint32_t>(-1.0f), one});
+  return samples;
+}
+
+void pack_descriptor(ByteWriter& out, const TexelLayout& layout) {
+  constexpr std::uint32_t kVersion = 2, kModelRgbsda = 1, kPrimariesBt709 = 1, kTransferLinear = 1;
+  const std::vector<Sample> samples = samples_of(layout);
+  const auto block = static_cast<std::uint32_t>(24 + 16 * samples.size());
+  out.u32(4 + block);
+  out.u32(0);  // Khronos, basic descriptor
+  out.u32(kVersion | block << 16);
+  out.u32(kModelRgbsda | kPrimariesBt709 << 8 | kTransferLinear << 16);  // alpha is straight
+  out.u32(0);                                                            // a block is one texel
+  out.u32(static_cast<std::uint32_t>(layout.bytes));
+  out.u32(0);
+  for (const Sample& s : samples) {
+    out.u32(s.bit_offset | (s.bits - 1) << 16 | (s.channel | s.qualifiers) << 24);
+    out.u32(0);  // position
+    out.u32(s.lower);
+    out.u32(s.upper);
+  }
+}
+
+std::vector<std::byte> compressed(std::span<const std::byte> bytes, int level, const std::string& where) {
+  std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
+  const std::size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), level);
+  if (ZSTD_isError(size) != 0) throw Error(std::string("cannot compress: ") + ZSTD_getErrorName(size), where);
+  out.resize(size);
+  return out;
+}
+
+std::vector<std::byte> joined(const std::vector<std::vector<std::byte>>& faces) {
+  std::vector<std::byte> out;
+  for (const auto& face : faces) out.insert(out.end(), face.begin(), face.end());
+  return out;
+}
+
+}  // namespace
+
+StoredTexture parse_ktx2(std::span<const std::byte> bytes, const std::string& where) {
+  ByteReader in(bytes, where);
+  in.seek(kIdentifier.size());
+  StoredTexture texture;
+  TextureInfo& info = texture.info;
+  info.container = TextureContainer::ktx2;
+
+  const std::uint32_t vk_format = in.u32();
+  in.u32();  // size of the type, for big-endian readers
+  const std::uint32_t width = in.u32(), height = in.u32(), depth = in.u32(), layers = in.u32(), faces = in.u32();
+  const std::uint32_t levels = std::max(in.u32(), 1u);  // 0 = one, and the reader may make the others
+  const Scheme scheme = scheme_of(in.u32());
+  if (depth > kMaxTextureSize || layers > kMaxTextureSize) throw Error("damaged: a texture of too many layers", where);
+  info.depth = static_cast<int>(depth);
+  info.layers = static_cast<int>(layers);
+  check_shape(info, width, height, faces, levels, where);
+  info.width = static_cast<int>(width);
+  info.height = static_cast<int>(height);
+  info.faces = static_cast<int>(faces);
+  info.supercompression = scheme.name;
+  texture.packing = scheme.packing;
+  name_format(vk_format, info);
+
+  const std::uint32_t descriptor_offset = in.u32(), descriptor_length = in.u32();
+  const std::uint32_t key_offset = in.u32(), key_length = in.u32();
+  const std::uint64_t global_offset = in.u64(), global_length = in.u64();
+  in.part(descriptor_offset, descriptor_length);
+  in.part(global_offset, global_length);
+  if (key_length > 0) parse_key_values(in.part(key_offset, key_length), info, where);
+
+  info.is_read = info.texel && depth <= 1 && layers <= 1 && scheme.packing != Packing::unknown;
+  for (std::size_t i = 0; i < levels; ++i) {
+    const LevelIndex index{in.u64(), in.u64(), in.u64()};
+    in.part(index.offset, index.length);
+    info.level_bytes.push_back(index.length);
+    if (info.is_read) texture.levels.push_back(stored_level(in, info, i, index, scheme.packing, where));
+  }
+  return texture;
+}
+
+std::vector<std::byte> pack_ktx2(const EncodedTexture& texture, bool zstd, int zstd_level, const std::string& where) {
+  const TexelLayout& layout = texel_layout(texture.format);
+  ByteWriter out;
+  out.text(kIdentifier);
+  out.u32(layout.vk_format);
+  out.u32(layout.type_bytes);
+  out.u32(static_cast<std::uint32_t>(texture.width));
+  out.u32(static_cast<std::uint32_t>(texture.height));
+  out.u32(0);  // depth
+  out.u32(0);  // layers
+  out.u32(static_cast<std::uint32_t>(texture.faces));
+  out.u32(static_cast<std::uint32_t>(texture.levels.size()));
+  out.u32(zstd ? kSchemeZstd : 0);
+
+  ByteWriter descriptor, key_values;
+  pack_descriptor(descriptor, layout);
+  std::map<std::string, std::string> pairs{{"KTXorientation", "rd"}, {"KTXwriter", "Candela"}};
+  for (const auto& [key, value] : texture.key_values) pairs[key] = value;
+  pack_key_values(key_values, pairs);
+  const std::size_t descriptor_at = kHeaderBytes + kLevelIndexBytes * texture.levels.size();
+  out.u32(static_cast<std::uint32_t>(descriptor_at));
+  out.u32(static_cast<std::uint32_t>(descriptor.bytes.size()));
+  out.u32(static_cast<std::uint32_t>(descriptor_at + descriptor.bytes.size()));
+  out.u32(static_cast<std::uint32_t>(key_values.bytes.size()));
+  out.u64(0);  // no global data
+  out.u64(0);
+  out.zeros(kLevelIndexBytes * texture.levels.size());
+  out.append(descriptor.bytes);
+  out.append(key_values.bytes);
+
+  // The smallest level comes first, so that a stream shows something early.
+  const std::size_t alignment = zstd ? 1 : std::lcm(layout.bytes, std::size_t{4});
+  for (std::size_t level = texture.levels.size(); level-- > 0;) {
+    std::vector<std::byte> data = joined(texture.levels[level]);
+    const std::size_t uncompressed = data.size();
+    if (zstd) data = compressed(data, zstd_level, where);
+    out.align(alignment);
+    const std::size_t entry = kHeaderBytes + kLevelIndexBytes * level;
+    out.put_u64(entry, out.bytes.size());
+    out.put_u64(entry + 8, data.size());
+    out.put_u64(entry + 16, uncompressed);
+    out.append(data);
+  }
+  return std::move(out.bytes);
+}
+
+}  // namespace candela::codec

@@ -1,0 +1,87 @@
+#include "path/capture.h"
+
+#include "math/hash.h"
+#include "shade/cube.glsl.h"
+
+namespace candela::path {
+
+namespace {
+
+constexpr int kFaces = 6;
+
+/// A camera that sees one face as it is stored: column 0 at s = -1, row 0 at t = -1. Its axes are left-handed, as the
+/// addresses of a cube map are; only rays are made of them.
+View face_view(int face, vec3 position) {
+  const vec3 middle = shade::cube_direction(face, 0.0f, 0.0f);
+  const vec3 along_s = shade::cube_direction(face, 1.0f, 0.0f) - middle;
+  const vec3 along_t = shade::cube_direction(face, 0.0f, 1.0f) - middle;
+  View view;
+  view.world_from_camera = mat4(vec4(along_s, 0.0f), vec4(-along_t, 0.0f), vec4(-middle, 0.0f), vec4(position, 1.0f));
+  view.projection = PerspectiveCamera{.yfov = 0.5f * kPi, .aspect_ratio = 1.0f};
+  return view;
+}
+
+Settings face_settings(const Settings& settings, int face, int size) {
+  Settings s = settings;
+  s.width = s.height = size;
+  s.filter = PixelFilter::box;  // what is beyond a texel belongs to its neighbour
+  s.filter_radius = 0.0f;
+  s.background = Background::environment;
+  s.layers.clear();
+  s.seed = hash_combine(settings.seed, static_cast<std::uint32_t>(face));
+  if (settings.time_limit_s) s.time_limit_s = *settings.time_limit_s / kFaces;
+  return s;
+}
+
+/// Progress of one face as that of the whole.
+Callbacks face_callbacks(const Callbacks& callbacks, int face, double seconds_before) {
+  Callbacks c;
+  c.stop = callbacks.stop;
+  if (!callbacks.progress) return c;
+  c.progress = [&callbacks, face, seconds_before](const Progress& of_face) {
+    Progress p = of_face;
+    p.fraction = (face + of_face.fraction) / kFaces;
+    p.seconds += seconds_before;
+    p.remaining_s = p.fraction > 0.0 ? std::optional(p.seconds * (1.0 - p.fraction) / p.fraction) : std::nullopt;
+    callbacks.progress(p);
+  };
+  return c;
+}
+
+void add(Statistics& total, const Statistics& face) {
+  total.build_s += face.build_s;
+  total.render_s += face.render_s;
+  total.samples += face.samples;
+  total.camera_rays += face.camera_rays;
+  total.bounce_rays += face.bounce_rays;
+  total.shadow_rays += face.shadow_rays;
+  total.non_finite_samples += face.non_finite_samples;
+  total.triangles = face.triangles;
+  total.instances = face.instances;
+  total.mean_samples_per_pixel += face.mean_samples_per_pixel / kFaces;
+  total.interrupted = total.interrupted || face.interrupted;
+}
+
+}  // namespace
+
+Cubemap capture_environment(const Scene& scene, const Environment& environment, vec3 position, int size,
+                            const Settings& settings, Statistics* statistics, const Callbacks& callbacks) {
+  Environment light = environment;
+  light.backdrop = nullptr;
+  Statistics total;
+  Cubemap cube;
+  for (int face = 0; face < kFaces && !total.interrupted; ++face) {
+    Statistics of_face;
+    const Film film = render(scene, light, face_view(face, position), face_settings(settings, face, size), &of_face,
+                             face_callbacks(callbacks, face, total.render_s));
+    if (cube.empty()) cube.levels.push_back(make_cube_faces(size));
+    Image& image = cube.levels[0][static_cast<std::size_t>(face)];
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) image.set_rgb(x, y, film.beauty.rgb(x, y));
+    add(total, of_face);
+  }
+  if (statistics != nullptr) *statistics = total;
+  return cube;
+}
+
+}  // namespace candela::path

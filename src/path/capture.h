@@ -1,0 +1,19 @@
+#pragma once
+
+#include "image/cubemap.h"
+#include "path/render.h"
+
+namespace candela::path {
+
+/// The light that arrives at `position` (world space) from all sides, path traced: a cube map of one level and `size`
+/// texels a side, each the mean over its area. What it looks past the scene at is the environment that lights it, suns
+/// and a studio's lamps included, never a backdrop. Point and spot lights have no size and are not seen.
+///
+/// Of `settings` the picture's size, filter, layers and background do not count; a time limit is shared by the faces.
+/// `statistics` adds up the faces. After a stop it says `interrupted`, and faces that were not begun are black. The
+/// result depends on the arguments alone, never on the number of threads. Throws Error as render() does.
+Cubemap capture_environment(const Scene& scene, const Environment& environment, vec3 position, int size,
+                            const Settings& settings, Statistics* statistics = nullptr,
+                            const Callbacks& callbacks = {});
+
+}  // namespace candela::path
