@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
+#include <memory>
 #include <vector>
 
 #include "ibl/kernel.h"
@@ -30,12 +30,26 @@ struct PrefilterSettings {
   std::uint32_t seed = 0;        ///< montecarlo
 };
 
-/// `source` convolved with `kernel`, at the middles of the texels of six faces.
-CubeFaces prefilter(const Source& source, const Kernel& kernel, int size, const PrefilterSettings& settings);
+/// What is known about a source before any lobe is: its harmonics, its brightest texels, its tree, its mips; each is
+/// made when the first method needs it. The source must outlive it.
+class Prefilter {
+ public:
+  /// `kernels` are those that will be asked for: they decide to which degree the source is analysed.
+  Prefilter(const Source& source, const std::vector<Kernel>& kernels, const PrefilterSettings& settings);
+  ~Prefilter();
+  Prefilter(const Prefilter&) = delete;
+  Prefilter& operator=(const Prefilter&) = delete;
 
-/// The same at any directions.
-std::vector<dvec3> prefilter(const Source& source, const Kernel& kernel, const std::vector<dvec3>& directions,
-                             const PrefilterSettings& settings);
+  /// What `automatic` chooses for a kernel; else the method that was asked for.
+  Method method_for(const Kernel& kernel) const;
+  /// The source convolved with a kernel, at any unit directions and at the middles of the texels of six faces.
+  std::vector<dvec3> at(const Kernel& kernel, const std::vector<dvec3>& directions) const;
+  CubeFaces faces(const Kernel& kernel, int size) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 /// Roughness of each of `levels` levels of a prefiltered cube.
 /// - balanced: α halves as the texels do, 2^-(levels - 1 - level), so that every level resolves its lobe alike; level 0

@@ -103,6 +103,23 @@ dvec3 texel_direction(const Source& source, int column, int row) {
   return {std::sin(polar) * std::cos(azimuth), std::cos(polar), std::sin(polar) * std::sin(azimuth)};
 }
 
+std::vector<Point> texel_points(const Source& source, int column, int row, dvec3 flux, int side) {
+  if (side == 1) return {{texel_direction(source, column, row), flux}};
+  const double step = kPiD / source.map.height;
+  const double azimuth = (column_edge(source, column) + column_edge(source, column + 1)) * 0.5;
+  const double polar = kPiD * (row + 0.5) / source.map.height;
+  const double half_u = kPiD / source.map.width / std::sqrt(3.0), half_v = 0.5 * step / std::sqrt(3.0);
+  const double sines = std::sin(polar - half_v) + std::sin(polar + half_v);
+  std::vector<Point> points;
+  for (const double v : {polar - half_v, polar + half_v}) {
+    for (const double u : {azimuth - half_u, azimuth + half_u}) {
+      points.push_back(
+          {{std::sin(v) * std::cos(u), std::cos(v), std::sin(v) * std::sin(u)}, flux * (0.5 * std::sin(v) / sines)});
+    }
+  }
+  return points;
+}
+
 double disc_solid_angle(const SunDisc& sun) {
   const double s = std::sin(0.5 * static_cast<double>(sun.angular_radius));
   return 4.0 * kPiD * s * s;

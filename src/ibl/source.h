@@ -57,6 +57,9 @@ double column_edge(const Source& source, int column);
 /// Middle in azimuth and polar angle.
 dvec3 texel_direction(const Source& source, int column, int row);
 
+/// A texel's `flux` as `side` × `side` points: its middle, or Gauss's points of each of its two angles.
+std::vector<Point> texel_points(const Source& source, int column, int row, dvec3 flux, int side);
+
 /// A disc as a few points with its flux and moments to the fifth degree (7 points in the plane).
 std::vector<Point> disc_points(const SunDisc& sun);
 double disc_solid_angle(const SunDisc& sun);
