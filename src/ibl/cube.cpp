@@ -161,6 +161,17 @@ dvec3 cube_texel_direction(int face, int x, int y, int size) {
   return glm::normalize(FaceAxes(face).at((2.0 * x + 1.0) / size - 1.0, (2.0 * y + 1.0) / size - 1.0));
 }
 
+std::vector<dvec3> cube_directions(int size) {
+  std::vector<dvec3> directions;
+  directions.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * kFaces);
+  for (int face = 0; face < kFaces; ++face) {
+    for (int y = 0; y < size; ++y) {
+      for (int x = 0; x < size; ++x) directions.push_back(cube_texel_direction(face, x, y, size));
+    }
+  }
+  return directions;
+}
+
 CubeFaces cube_from_source(const Source& source, int size) {
   const Cumulative cumulative(source);
   const Lattice lattice = lattice_of(source);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "ibl/source.h"
 #include "image/cubemap.h"
 
@@ -9,6 +11,8 @@ namespace candela::ibl {
 double cube_texel_solid_angle(int x, int y, int size);
 /// Unit direction of the texel's middle.
 dvec3 cube_texel_direction(int face, int x, int y, int size);
+/// Those of all texels: by face, row, column.
+std::vector<dvec3> cube_directions(int size);
 
 /// Area-exact: each texel gets the mean radiance over its solid angle, by integrals along its edges (Jones 1999,
 /// "First- and Second-Order Conservative Remapping Schemes"), so that the energy is the panorama's up to rounding and a

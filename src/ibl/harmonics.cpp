@@ -84,7 +84,7 @@ struct RowPoints {
 };
 
 RowPoints row_points(int height, int lmax) {
-  constexpr double kOneIsEnough = 0.25;  // degrees × row: one point errs by its square / 24
+  constexpr double kOneIsEnough = 0.05;  // degrees × row: one point errs by its square / 24
   const double step = kPiD / height;
   RowPoints points;
   points.per_row = lmax * step > kOneIsEnough ? 2 : 1;
@@ -206,6 +206,21 @@ Harmonics analyse(const Image& map, double azimuth, int lmax) {
   return harmonics;
 }
 
+dvec3 evaluate(const Harmonics& harmonics, dvec3 direction) {
+  Legendre legendre({std::atan2(std::hypot(direction.x, direction.z), direction.y)});
+  const double azimuth = std::atan2(direction.z, direction.x);
+  dvec3 sum(0.0);
+  for (int m = 0; m <= harmonics.lmax(); ++m) {
+    const Complex turn = std::polar(m == 0 ? 1.0 : 2.0, m * azimuth);
+    legendre.start(m);
+    for (int l = m; l <= harmonics.lmax(); ++l) {
+      if (l > m) legendre.step();
+      for (int c = 0; c < 3; ++c) sum[c] += legendre.values(0)[0] * (harmonics.at(l, m, c) * turn).real();
+    }
+  }
+  return sum;
+}
+
 namespace {
 
 constexpr int kTaps = 8;
@@ -274,7 +289,7 @@ std::vector<Complex> synthesise_rows(const Harmonics& harmonics, const std::vect
 }  // namespace
 
 SphereGrid::SphereGrid(const Harmonics& harmonics, const std::vector<double>& factors) {
-  constexpr int kPointsPerPeriod = 4;
+  constexpr double kPointsPerPeriod = 2.5;
   const int lmax = std::min(harmonics.lmax(), static_cast<int>(factors.size()) - 1);
   int columns = 16;
   while (columns < kPointsPerPeriod * lmax) columns *= 2;

@@ -32,6 +32,9 @@ class Harmonics {
 /// lmax is so low that this is enough). `azimuth` is that of the left edge.
 Harmonics analyse(const Image& map, double azimuth, int lmax);
 
+/// Σ a_lm Y_lm at a unit direction.
+dvec3 evaluate(const Harmonics& harmonics, dvec3 direction);
+
 /// A function on the sphere, smooth between the points of a grid. Rows are at polar angles (j + ½) π / rows, columns at
 /// azimuths i 2π / columns; columns = 2 rows.
 class SphereGrid {
@@ -39,8 +42,8 @@ class SphereGrid {
   /// Σ factor_l a_lm Y_lm up to the lesser of the two degrees; a factor per degree.
   SphereGrid(const Harmonics& harmonics, const std::vector<double>& factors);
 
-  /// By Lagrange's polynomials on 8 × 8 points; the grid has four points per period of the highest degree, above which
-  /// nothing is left.
+  /// By Lagrange's polynomials on 8 × 8 points; the grid has 2½ points or more per period of the highest degree, where
+  /// little is left.
   dvec3 at(dvec3 direction) const;
 
  private:

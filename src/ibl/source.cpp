@@ -103,6 +103,16 @@ dvec3 texel_direction(const Source& source, int column, int row) {
   return {std::sin(polar) * std::cos(azimuth), std::cos(polar), std::sin(polar) * std::sin(azimuth)};
 }
 
+Image subdivided(const Image& map, double step) {
+  const int times = std::max(1, static_cast<int>(std::ceil(kPiD / map.height / step)));
+  if (times == 1) return map;
+  Image fine(map.width * times, map.height * times, 3);
+  for (int y = 0; y < fine.height; ++y) {
+    for (int x = 0; x < fine.width; ++x) fine.set_rgb(x, y, map.rgb(x / times, y / times));
+  }
+  return fine;
+}
+
 std::vector<Point> texel_points(const Source& source, int column, int row, dvec3 flux, int side) {
   if (side == 1) return {{texel_direction(source, column, row), flux}};
   const double step = kPiD / source.map.height;

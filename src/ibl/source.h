@@ -57,6 +57,9 @@ double column_edge(const Source& source, int column);
 /// Middle in azimuth and polar angle.
 dvec3 texel_direction(const Source& source, int column, int row);
 
+/// `map` with each texel repeated until rows are at most `step` radians high.
+Image subdivided(const Image& map, double step);
+
 /// A texel's `flux` as `side` × `side` points: its middle, or Gauss's points of each of its two angles.
 std::vector<Point> texel_points(const Source& source, int column, int row, dvec3 flux, int side);
 

@@ -1,7 +1,6 @@
 #include "ibl/zonal.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -19,35 +18,30 @@ void PointSum::add(const Point& point) {
 
 dvec3 PointSum::sum(const Kernel& kernel, dvec3 d) const {
   const double a2 = kernel.alpha() * kernel.alpha(), slope = kernel.slope(), scale = kernel.scale();
-  std::array<std::array<double, kLanes>, 3> sums{};
+  const bool is_charlie = kernel.lobe() == Lobe::charlie;
+  Lanes sums[3] = {};
   for (const Block& block : blocks_) {
-    double k[kLanes];
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      const double x = block.x[i] - d.x, y = block.y[i] - d.y, z = block.z[i] - d.z;
-      k[i] = 0.5 * (x * x + y * y + z * z);
-    }
-    if (kernel.lobe() == Lobe::charlie) {
-      for (double& t : k) t = kernel(t);
+    const Lanes x = block.x - d.x, y = block.y - d.y, z = block.z - d.z;
+    Lanes k = 0.5 * (x * x + y * y + z * z);
+    if (is_charlie) {
+      for (std::size_t i = 0; i < kLanes; ++i) k[i] = kernel(k[i]);
     } else {
-      for (double& t : k) {
-        const double width = a2 + slope * t;
-        t = scale * std::max(1.0 - t, 0.0) / (width * width);
-      }
+      const Lanes c = 1.0 - k, width = a2 + slope * k;
+      k = scale * (c > 0.0 ? c : c - c) / (width * width);
     }
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t i = 0; i < kLanes; ++i) sums[c][i] += k[i] * block.flux[c][i];
-    }
+    for (std::size_t i = 0; i < 3; ++i) sums[i] += k * block.flux[i];
   }
   dvec3 total(0.0);
-  for (int c = 0; c < 3; ++c) {
-    for (const double v : sums[static_cast<std::size_t>(c)]) total[c] += v;
+  for (int i = 0; i < 3; ++i) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) total[i] += sums[i][lane];
   }
   return total;
 }
 
 BrightSplit split_bright(const Source& source, int most) {
-  // A texel with less than this share of all light is told well enough by a series.
+  // A texel with less than this share of all light, or hardly brighter than the mean, is told well by a series.
   constexpr double kLeastShare = 1e-5;
+  constexpr double kContrast = 8.0;
   const int width = source.map.width, height = source.map.height;
   std::vector<double> flux;
   flux.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -63,7 +57,8 @@ BrightSplit split_bright(const Source& source, int most) {
   std::vector<double> order = flux;
   const std::size_t rank = std::min(static_cast<std::size_t>(most), order.size() - 1);
   std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(rank), order.end(), std::greater<>());
-  const double limit = std::max(order[rank], kLeastShare * total);
+  const double limit =
+      std::max(order[rank], std::max(kLeastShare, kContrast / static_cast<double>(order.size())) * total);
 
   BrightSplit split{source.map, {}, {}};
   for (int y = 0; y < height; ++y) {
@@ -81,11 +76,19 @@ BrightSplit split_bright(const Source& source, int most) {
   return split;
 }
 
+namespace {
+
+/// Degrees × row above which two Gauss points per row no longer do.
+constexpr double kMostPhase = 2.0;
+
+}  // namespace
+
 ZonalFilter::ZonalFilter(const Source& source, int lmax, int exact_texels)
     : ZonalFilter(source, split_bright(source, exact_texels), lmax) {}
 
 ZonalFilter::ZonalFilter(const Source& source, const BrightSplit& split, int lmax)
-    : harmonics_(analyse(split.rest, column_edge(source, 0), lmax)), texel_(std::numbers::pi / source.map.height) {
+    : harmonics_(analyse(subdivided(split.rest, kMostPhase / lmax), column_edge(source, 0), lmax)),
+      texel_(std::numbers::pi / source.map.height) {
   for (std::size_t i = 0; i < split.texels.size(); ++i) {
     for (const Point& p : texel_points(source, split.texels[i].x, split.texels[i].y, split.flux[i], 1)) middles_.add(p);
     for (const Point& p : texel_points(source, split.texels[i].x, split.texels[i].y, split.flux[i], 2)) {

@@ -17,10 +17,11 @@ class PointSum {
   dvec3 sum(const Kernel& kernel, dvec3 direction) const;
 
  private:
-  static constexpr std::size_t kLanes = 8;
+  static constexpr std::size_t kLanes = 4;
+  using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
   struct Block {
-    double x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
-    double flux[3][kLanes] = {};
+    Lanes x{}, y{}, z{};
+    Lanes flux[3] = {};
   };
   std::vector<Block> blocks_;
   std::size_t count_ = 0;
