@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "base/check.h"
-#include "math/gauss.h"
+#include "shade/gauss.h"
 #include "shade/surface_constants.glsl.h"
 
 namespace candela::ibl {
@@ -29,7 +29,7 @@ std::vector<double> panel_edges(double alpha, int lmax) {
 /// f(θ, weight) over the nodes on [0, π/2].
 template <class F>
 void over_quarter(double alpha, int lmax, const F& f) {
-  static const GaussRule rule = gauss_rule(16);
+  static const shade::GaussRule rule = shade::gauss_rule(16);
   const std::vector<double> edges = panel_edges(alpha, lmax);
   for (std::size_t p = 0; p + 1 < edges.size(); ++p) {
     const double width = edges[p + 1] - edges[p];

@@ -8,7 +8,7 @@
 #include "base/check.h"
 #include "ibl/harmonics.h"
 #include "ibl/verify.h"
-#include "math/gauss.h"
+#include "shade/gauss.h"
 
 namespace candela::ibl {
 namespace {
@@ -79,7 +79,7 @@ Sh sh_project(const Source& source, int order) {
   // sum on these, by a quadrature exact for products of both, changes the basis and loses nothing.
   const Image fine = subdivided(source.map, 0.5 / std::max(order, 1));
   const Harmonics harmonics = analyse(fine, column_edge(source, 0), order);
-  const GaussRule rule = gauss_rule(order + 1);
+  const shade::GaussRule rule = shade::gauss_rule(order + 1);
   const int around = 2 * order + 2;
   for (std::size_t j = 0; j < rule.nodes.size(); ++j) {
     const double z = 2.0 * rule.nodes[j] - 1.0;

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-namespace candela {
+namespace candela::shade {
 
 struct GaussRule {
   std::vector<double> nodes;    ///< in (0, 1)
@@ -34,4 +34,4 @@ inline GaussRule gauss_rule(int count) {
   return rule;
 }
 
-}  // namespace candela
+}  // namespace candela::shade
