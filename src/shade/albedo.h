@@ -12,27 +12,29 @@
 
 namespace candela::shade {
 
-/// ∫ over [0, 1] of `f` where `sign` is positive: its changes of sign are looked for between even steps and found by
-/// regula falsi (the Illinois variant, Dowell & Jarratt 1971), and Gauss's points lie between them.
+/// ∫ over [0, 1] of `f` where `sign` is positive. Narrow lobes change sign close to 1, so that changes are looked for
+/// between even steps of the cube root of the distance from there, and found by regula falsi (the Illinois variant,
+/// Dowell & Jarratt 1971). Gauss's points between them stand denser towards the upper end: there light grazes the
+/// surface and masking changes fastest.
 template <class Sign, class F>
 void over_positive(const GaussRule& rule, const Sign& sign, const F& f) {
   constexpr int kSteps = 6;
-  constexpr int kIterations = 8;
-  double from = 0.0;
-  double at = 0.0, value = sign(0.0);
+  constexpr int kIterations = 10;
+  constexpr double kLast = 0.99;  // a millionth from the end, where single precision ends
+  const auto place = [](double v) { return 1.0 - (1.0 - v) * (1.0 - v) * (1.0 - v); };
   const auto piece = [&](double a, double b) {
-    // Denser towards the upper end, cubically: there light grazes the surface and masking changes fastest.
     for (std::size_t i = 0; i < rule.nodes.size() && b > a; ++i) {
       const double w = 1.0 - rule.nodes[i];
       f(b - (b - a) * w * w * w, 3.0 * w * w * (b - a) * rule.weights[i]);
     }
   };
+  double from = 0.0, at = 0.0, value = sign(0.0);
   for (int k = 1; k <= kSteps; ++k) {
-    const double next = static_cast<double>(k) / kSteps, next_value = sign(next);
+    const double next = kLast * k / kSteps, next_value = sign(place(next));
     if ((value > 0.0) != (next_value > 0.0)) {
       double a = at, fa = value, b = next, fb = next_value;
       for (int i = 0; i < kIterations && fb != fa; ++i) {
-        const double c = (a * fb - b * fa) / (fb - fa), fc = sign(c);
+        const double c = (a * fb - b * fa) / (fb - fa), fc = sign(place(c));
         if (fc * fb < 0.0) {
           a = b, fa = fb;
         } else {
@@ -40,8 +42,8 @@ void over_positive(const GaussRule& rule, const Sign& sign, const F& f) {
         }
         b = c, fb = fc;
       }
-      if (value > 0.0) piece(from, b);
-      from = b;
+      if (value > 0.0) piece(from, place(b));
+      from = place(b);
     }
     at = next, value = next_value;
   }
