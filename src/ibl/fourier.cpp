@@ -22,12 +22,14 @@ Fourier::Fourier(int size) {
     roots_.emplace_back(std::cos(angle), std::sin(angle));
   }
   auto rest = static_cast<std::size_t>(size);
-  for (std::size_t factor = 4; rest > 1; factor = factor == 4 ? 2 : factor + 1) {
+  const auto divide = [&](std::size_t factor) {
     while (rest % factor == 0) {
       factors_.push_back(factor);
       rest /= factor;
     }
-  }
+  };
+  divide(4);
+  for (std::size_t factor = 2; rest > 1; ++factor) divide(factor);
 }
 
 void Fourier::forward(std::span<const Complex> in, std::span<Complex> out) const {

@@ -13,25 +13,32 @@ namespace {
 
 vec3 view_direction(float mu) { return {std::sqrt(std::max(1.0f - mu * mu, 0.0f)), 0.0f, mu}; }
 
+struct SplitSums {
+  dvec2 smith{0.0};
+  dvec2 k_ibl{0.0};
+};
+
+SplitSums split_sums(float mu, float roughness) {
+  const vec3 wo = view_direction(mu);
+  const float alpha = std::max(shade::roughness_to_alpha(roughness), shade::kGgxMirrorAlpha);
+  const float k = shade::schlick_k_ibl(roughness);
+  SplitSums sums;
+  shade::over_ggx(wo, alpha, [&](vec3 wi, float cos_m, double weight) {
+    const auto fresnel = static_cast<double>(shade::schlick_weight(cos_m));
+    const dvec2 parts(weight * (1.0 - fresnel), weight * fresnel);
+    sums.smith += parts;
+    sums.k_ibl += parts * static_cast<double>(shade::v_schlick_ggx(wo, wi, k) / shade::ggx_v_smith(wo, wi, alpha));
+  });
+  return sums;
+}
+
 }  // namespace
 
 vec2 split_sum(float mu, float roughness) {
   return shade::ggx_split_sum(view_direction(mu), shade::roughness_to_alpha(roughness));
 }
 
-vec2 split_sum_k_ibl(float mu, float roughness) {
-  const vec3 wo = view_direction(mu);
-  const float alpha = std::max(shade::roughness_to_alpha(roughness), shade::kGgxMirrorAlpha);
-  const float k = shade::schlick_k_ibl(roughness);
-  double a = 0.0, b = 0.0;
-  shade::over_ggx(wo, alpha, [&](vec3 wi, float cos_m, double weight) {
-    const auto fresnel = static_cast<double>(shade::schlick_weight(cos_m));
-    weight *= static_cast<double>(shade::v_schlick_ggx(wo, wi, k) / shade::ggx_v_smith(wo, wi, alpha));
-    a += weight * (1.0 - fresnel);
-    b += weight * fresnel;
-  });
-  return {static_cast<float>(a), static_cast<float>(b)};
-}
+vec2 split_sum_k_ibl(float mu, float roughness) { return split_sums(mu, roughness).k_ibl; }
 
 float sheen_albedo(float mu, float roughness) {
   static const shade::GaussRule rule = shade::gauss_rule(24);
@@ -61,9 +68,9 @@ Tables make_tables(int size) {
       const float roughness = (static_cast<float>(y) + 0.5f) / static_cast<float>(size);
       for (int x = 0; x < size; ++x) {
         const float mu = (static_cast<float>(x) + 0.5f) / static_cast<float>(size);
-        const vec2 ggx = split_sum(mu, roughness), k_ibl = split_sum_k_ibl(mu, roughness);
-        tables.dfg.set_rgb(x, y, vec3(ggx.x, ggx.y, sheen_albedo(mu, roughness)));
-        tables.dfg_k_ibl.set_rgb(x, y, vec3(k_ibl.x, k_ibl.y, 0.0f));
+        const SplitSums sums = split_sums(mu, roughness);
+        tables.dfg.set_rgb(x, y, vec3(vec2(sums.smith), sheen_albedo(mu, roughness)));
+        tables.dfg_k_ibl.set_rgb(x, y, vec3(vec2(sums.k_ibl), 0.0f));
       }
     }
   });
