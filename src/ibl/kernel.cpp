@@ -53,6 +53,10 @@ Kernel::Kernel(Lobe lobe, double roughness) : lobe_(lobe) {
     alpha_ = std::pow(std::max(roughness, least), 2.0);
     exponent_ = 0.5 / alpha_;
   }
+  if (lobe == Lobe::charlie) {
+    constexpr int kSteps = 1 << 14;  // linear between them: 5e-6 for the narrowest lobe, 1e-7 for most
+    for (int i = 0; i <= kSteps; ++i) table_.push_back(shape(static_cast<double>(i) / kSteps));
+  }
   slope_ = 0.5 * (1.0 - alpha_ * alpha_);
   double sum = 0.0;
   over_quarter(alpha_, 0, [&](double theta, double weight) {
@@ -70,7 +74,15 @@ double Kernel::shape(double t) const {
   return c / (width * width);
 }
 
-double Kernel::operator()(double t) const { return scale_ * shape(t); }
+double Kernel::tabulated(double t) const {
+  const double x = std::clamp(t, 0.0, 1.0) * static_cast<double>(table_.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(x), table_.size() - 2);
+  return table_[i] + (table_[i + 1] - table_[i]) * (x - static_cast<double>(i));
+}
+
+double Kernel::operator()(double t) const { return scale_ * (lobe_ == Lobe::charlie ? tabulated(t) : shape(t)); }
+
+double Kernel::width() const { return lobe_ == Lobe::charlie ? std::min(1.0, std::sqrt(alpha_)) : alpha_; }
 
 std::vector<double> Kernel::coefficients(int lmax) const {
   std::vector<double> k(static_cast<std::size_t>(lmax) + 1, 0.0);
@@ -89,10 +101,9 @@ std::vector<double> Kernel::coefficients(int lmax) const {
 }
 
 int Kernel::bandwidth() const {
-  // GGX: (2αl) K₁(2αl), about e^(-2αl): 1e-8 at 2αl = 20. The sheen's ring is as narrow as the root of its α.
+  // GGX: (2αl) K₁(2αl), about e^(-2αl): 1e-8 at 2αl = 20.
   constexpr double kReach = 10.0;
-  const double width = lobe_ == Lobe::charlie ? std::min(1.0, std::sqrt(alpha_)) : alpha_;
-  return static_cast<int>(std::ceil(kReach / width));
+  return static_cast<int>(std::ceil(kReach / width()));
 }
 
 }  // namespace candela::ibl

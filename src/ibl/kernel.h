@@ -20,6 +20,8 @@ class Kernel {
 
   Lobe lobe() const { return lobe_; }
   double alpha() const { return alpha_; }
+  /// Radians over which it changes: α, or √α for the ring of charlie.
+  double width() const;
   /// Density at a direction whose unit vector is `t` = 1 - cosine away (½ chord²): exact where the cosine is not.
   double operator()(double t) const;
   /// Scale of the GGX form scale · c / (alpha² + slope · t)².
@@ -35,12 +37,14 @@ class Kernel {
 
  private:
   double shape(double t) const;
+  double tabulated(double t) const;
 
   Lobe lobe_;
   double alpha_ = 1.0;
   double exponent_ = 1.0;  ///< charlie: 1 / (2α)
   double slope_ = 0.0;     ///< ggx: (1 - α²) / 2
   double scale_ = 1.0;
+  std::vector<double> table_;  ///< charlie: shape at even steps of t in [0, 1], because pow is slow
 };
 
 }  // namespace candela::ibl

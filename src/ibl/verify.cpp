@@ -77,7 +77,7 @@ class BruteForce {
  private:
   static int side_for(const Source& source, const Kernel& kernel) {
     constexpr double kWide = 32.0;
-    return kernel.alpha() > kWide * kPiD / source.map.height ? 1 : 2;
+    return kernel.width() > kWide * kPiD / source.map.height ? 1 : 2;
   }
 
   void weigh(double y, double sine, const std::vector<double>& horizontal, std::vector<double>& weights) const {
@@ -126,7 +126,7 @@ class BruteForce {
 std::vector<dvec3> reference(const Source& source, const Kernel& kernel, const std::vector<dvec3>& directions) {
   // Four points stand for a texel where it is no larger than a quarter of the lobe's width.
   constexpr double kShare = 0.25;
-  const Source fine{subdivided(source.map, kShare * kernel.alpha()), source.rotation, source.suns};
+  const Source fine{subdivided(source.map, kShare * kernel.width()), source.rotation, source.suns};
   const BruteForce brute_force(fine, kernel);
   std::vector<dvec3> values(directions.size());
   parallel_for(0, directions.size(), 1, [&](std::size_t begin, std::size_t end) {

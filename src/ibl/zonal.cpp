@@ -102,7 +102,7 @@ ZonalFilter::ZonalFilter(const Source& source, const BrightSplit& split, int lma
 
 const PointSum& ZonalFilter::points_for(const Kernel& kernel) const {
   constexpr double kWide = 24.0;  // texels per lobe width above which a texel is a point: errs by 1 / (6 · 24²)
-  return kernel.alpha() > kWide * texel_ ? middles_ : quarters_;
+  return kernel.width() > kWide * texel_ ? middles_ : quarters_;
 }
 
 std::vector<dvec3> ZonalFilter::at(const Kernel& kernel, int lmax, const std::vector<dvec3>& directions) const {
