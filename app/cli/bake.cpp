@@ -258,7 +258,8 @@ void run_bake(BakeOptions& o) {
   ProgressLine progress(o.quiet);
   o.bake.irradiance_samples = o.bake.specular.samples;
   o.bake.specular.fis_size = o.bake.size;
-  BakeResult result{o.environment.empty() ? "tables" : o.environment, o.bake, {}, {}, {}, {}};
+  const std::string name = is_built_in(o.environment) ? o.environment : fs::path(o.environment).filename().string();
+  BakeResult result{o.environment.empty() ? "tables" : name, o.bake, {}, {}, {}, {}};
   if (!o.environment.empty()) {
     progress.phase("loading " + o.environment);
     const ibl::Source source = load_source(o, result.warnings);
