@@ -26,7 +26,8 @@ void check(const BakeSettings& s) {
 /// More of what makes each method better.
 PrefilterSettings refined(PrefilterSettings s) {
   s.bandwidth_scale *= 1.5;
-  s.exact_texels *= 4;
+  constexpr int kMostExact = 1 << 14;
+  s.exact_texels = std::min(s.exact_texels * 4, kMostExact);
   s.tolerance *= 0.25;
   s.samples *= 4;
   return s;
