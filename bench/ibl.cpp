@@ -54,9 +54,11 @@ void print_row(const std::string& name, const Source& source) {
     const auto error = [&](candela::ibl::Method method) {
       candela::ibl::PrefilterSettings settings;
       settings.method = method;
-      return compare(candela::ibl::Prefilter(source, {kernel}, settings).at(kernel, directions), exact, directions);
+      return candela::ibl::compare(candela::ibl::Prefilter(source, {kernel}, settings).at(kernel, directions), exact,
+                                   directions);
     };
-    const ErrorBound ours = error(candela::ibl::Method::automatic), fis = error(candela::ibl::Method::fis);
+    const ErrorBound ours = error(candela::ibl::Method::automatic);
+    const ErrorBound fis = error(candela::ibl::Method::fis);
     std::printf("| %s | %.2f | %.1e %% | %.1e %% | %.2g %% | %.2g %% |\n", name.c_str(), roughness, 100.0 * ours.max,
                 100.0 * ours.rms, 100.0 * fis.max, 100.0 * fis.rms);
   }
