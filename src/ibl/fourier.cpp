@@ -29,7 +29,8 @@ Fourier::Fourier(int size) {
     }
   };
   divide(4);
-  for (std::size_t factor = 2; rest > 1; ++factor) divide(factor);
+  std::size_t factor = 2;
+  while (rest > 1) divide(factor++);
 }
 
 void Fourier::forward(std::span<const Complex> in, std::span<Complex> out) const {

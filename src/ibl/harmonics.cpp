@@ -25,7 +25,7 @@ using Lanes = std::array<double, kLanes>;
 /// below what a double holds, the function stays negligible up to any degree used here.
 class Legendre {
  public:
-  Legendre(const std::vector<double>& polar) : blocks_((polar.size() + kLanes - 1) / kLanes) {
+  explicit Legendre(const std::vector<double>& polar) : blocks_((polar.size() + kLanes - 1) / kLanes) {
     x_.resize(blocks_), sine_.resize(blocks_), now_.resize(blocks_), below_.resize(blocks_);
     for (std::size_t i = 0; i < blocks_ * kLanes; ++i) {
       const double theta = i < polar.size() ? polar[i] : 0.5 * kPiD;
