@@ -91,7 +91,7 @@ TEST(law_ibl_tables, furnace_stays_white_through_prefilter_and_table) {
   const ibl::Source furnace = panorama(64, [](dvec3) { return dvec3(1.0); });
   const std::vector<dvec3> directions = ibl::random_directions(12, 3);
   double uncompensated = 0.0;
-  for (float r = 0.1f; r < 1.01f; r += 0.15f) {
+  for (const float r : kRoughnesses) {
     const ibl::Kernel kernel(ibl::Lobe::ggx, static_cast<double>(r));
     const std::vector<dvec3> filtered = ibl::Prefilter(furnace, {kernel}, {}).at(kernel, directions);
     for (const float mu : kCosines) {
