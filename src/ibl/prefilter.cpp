@@ -21,8 +21,9 @@ constexpr int kMostDegree = 1024;
 constexpr double kLeastAlpha = 0.007;
 
 int degree_for(const Kernel& kernel, double scale) {
-  const double wanted = std::max(kernel.bandwidth(), kLeastDegree) * scale;
-  return static_cast<int>(std::min(wanted, static_cast<double>(kMostDegree) * std::max(scale, 1.0)));
+  constexpr double kMostRefined = 1536.0;  // 200 MB of grid
+  const double wanted = std::min(std::max(kernel.bandwidth(), kLeastDegree), kMostDegree) * scale;
+  return static_cast<int>(std::min(wanted, kMostRefined));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "ibl/verify.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -156,6 +157,7 @@ ErrorBound compare(const std::vector<dvec3>& values, const std::vector<dvec3>& r
 
 std::vector<dvec3> random_directions(int count, std::uint32_t seed) {
   std::vector<dvec3> directions;
+  directions.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     const std::uint32_t h = hash_combine(seed, static_cast<std::uint32_t>(i));
     const double y = 1.0 - 2.0 * static_cast<double>(unit_float(h));
@@ -172,6 +174,7 @@ LevelProof verify_level(const Source& source, const Kernel& kernel, const CubeFa
   const auto texels = static_cast<std::uint32_t>(6 * size * size);
   std::vector<dvec3> places = random_directions(directions, seed);
   std::vector<dvec3> values;
+  values.reserve(2 * places.size());
   for (const dvec3& d : places) values.emplace_back(cube_lookup(faces, d));
   for (int i = 0; i < directions; ++i) {
     const std::uint32_t texel = hash_combine(seed + 1, static_cast<std::uint32_t>(i)) % texels;
