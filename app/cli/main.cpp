@@ -38,7 +38,7 @@ int fail(int code, const std::string& message, const std::string& hint = {}) {
 
 std::string usage_hint(int argc, char** argv) {
   const std::string_view verb = argc > 1 ? argv[1] : "";
-  const bool known = verb == "render" || verb == "info" || verb == "furnace";
+  const bool known = verb == "render" || verb == "info" || verb == "furnace" || verb == "bake";
   return std::string("Try 'candela ") + (known ? std::string(verb) + " " : "") + "--help'.\n";
 }
 
@@ -76,6 +76,7 @@ int run(int argc, char** argv) {
   const Verb render = add_render(app);
   const Verb info = add_info(app);
   const Verb furnace = add_furnace(app);
+  const Verb bake = add_bake(app);
   app.footer("`candela VERB --help` tells more, with examples.");  // last, because verbs inherit it
 
   try {
@@ -83,7 +84,8 @@ int run(int argc, char** argv) {
     if (app.got_subcommand("render")) return render(), kDone;
     if (app.got_subcommand("info")) return info(), kDone;
     if (app.got_subcommand("furnace")) return furnace(), kDone;
-    throw UsageError("no verb given: render, info or furnace");
+    if (app.got_subcommand("bake")) return bake(), kDone;
+    throw UsageError("no verb given: render, info, furnace or bake");
   } catch (const CLI::CallForHelp&) {
     print(app.help());
     return kDone;

@@ -4,6 +4,7 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "ibl/cube.h"
 #include "image/cube_file.h"
 #include "image/table_file.h"
 

@@ -80,14 +80,6 @@ void for_each_texel(const LayoutShape& shape, int size, Body body) {
   }
 }
 
-/// A texel that may lie outside of its face: then it is the one that the neighbour has in its place.
-vec3 texel_across_edges(const CubeFaces& faces, int face, int x, int y) {
-  const int size = faces[0].width;
-  if (x >= 0 && y >= 0 && x < size && y < size) return faces[static_cast<std::size_t>(face)].rgb(x, y);
-  const vec3 c = shade::cube_coordinates(shade::cube_direction(face, center(x, size), center(y, size)));
-  return faces[static_cast<std::size_t>(c.x)].rgb(nearest_texel(c.y, size), nearest_texel(c.z, size));
-}
-
 }  // namespace
 
 vec3 CubeAxes::lookup_from_world(vec3 world) const {
@@ -198,41 +190,6 @@ double cube_texel_solid_angle(int size, int x, int y) {
   const double s0 = x * step - 1.0, s1 = (x + 1) * step - 1.0;
   const double t0 = y * step - 1.0, t1 = (y + 1) * step - 1.0;
   return corner(s1, t1) - corner(s0, t1) - corner(s1, t0) + corner(s0, t0);
-}
-
-vec3 cube_radiance(const CubeFaces& faces, vec3 d) {
-  const vec3 c = shade::cube_coordinates(d);
-  const int face = static_cast<int>(c.x);
-  const auto size = static_cast<float>(faces[0].width);
-  const vec2 at = 0.5f * (vec2(c.y, c.z) + 1.0f) * size - 0.5f;
-  const vec2 corner = glm::floor(at);
-  const vec2 w = at - corner;
-  const int x = static_cast<int>(corner.x), y = static_cast<int>(corner.y);
-  const auto texel = [&](int dx, int dy) { return texel_across_edges(faces, face, x + dx, y + dy); };
-  return (1.0f - w.y) * ((1.0f - w.x) * texel(0, 0) + w.x * texel(1, 0)) +
-         w.y * ((1.0f - w.x) * texel(0, 1) + w.x * texel(1, 1));
-}
-
-Image equirect_from_cube(const CubeFaces& faces, int width) {
-  constexpr int kSamples = 4;  // per pixel and axis
-  Image image(width, width / 2, 3);
-  parallel_for(0, static_cast<std::size_t>(image.height), 8, [&](std::size_t begin, std::size_t end) {
-    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      for (int x = 0; x < width; ++x) {
-        dvec3 sum(0.0);
-        for (int i = 0; i < kSamples * kSamples; ++i) {
-          const int column = i % kSamples, row = i / kSamples;
-          const float u = (static_cast<float>(x * kSamples + column) + 0.5f) / static_cast<float>(width * kSamples);
-          const float v = (static_cast<float>(y * kSamples + row) + 0.5f) / static_cast<float>(image.height * kSamples);
-          const float phi = (u - 0.5f) * 2.0f * kPi, theta = v * kPi;
-          const vec3 d(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
-          sum += dvec3(cube_radiance(faces, d));
-        }
-        image.set_rgb(x, y, vec3(sum / static_cast<double>(kSamples * kSamples)));
-      }
-    }
-  });
-  return image;
 }
 
 }  // namespace candela

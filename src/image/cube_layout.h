@@ -8,7 +8,7 @@
 #include "image/cubemap.h"
 
 // The geometry of a cube map in files: which axes its addresses follow, and how six faces lie in one picture. Nothing
-// here filters but equirect_from_cube: texels are moved, and keep their bits.
+// here filters: texels are moved, and keep their bits.
 namespace candela {
 
 /// Names of the faces in files, in the order of CubeFaces: px nx py ny pz nz.
@@ -61,10 +61,5 @@ Image layout_from_faces(const CubeFaces& faces, CubeLayout layout);
 
 /// Solid angle (sr) of texel (x, y) of a face of `size` texels; the 6 · size² of a cube add up to 4π.
 double cube_texel_solid_angle(int size, int x, int y);
-
-/// Radiance from direction `d`, linear between the nearest texels, also across edges.
-vec3 cube_radiance(const CubeFaces& faces, vec3 d);
-/// Panorama of `width` by `width` / 2 pixels, addressed as an Environment is: each pixel the mean of 4 × 4 lookups.
-Image equirect_from_cube(const CubeFaces& faces, int width);
 
 }  // namespace candela

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "shade/albedo.h"
 #include "shade/fresnel.glsl.h"
 #include "shade/microfacet.glsl.h"
 #include "shade/surface_constants.glsl.h"
@@ -89,28 +90,12 @@ double mean_over_mu(const std::function<double(int)>& f, int count) {
 }
 
 void make_ggx() {
-  constexpr int kPoints = 4096;
   for (int r = 0; r < kTableRoughness; ++r) {
     const float alpha = roughness_to_alpha(roughness_at(r, kTableRoughness));
     for (int m = 0; m < kTableMu; ++m) {
-      const vec3 wo = direction(mu_at(m, kTableMu));
-      double a = 0.0;
-      double b = 0.0;
-      if (alpha < kGgxMirrorAlpha) {
-        b = static_cast<double>(schlick_weight(wo.z));
-        a = 1.0 - b;
-      } else {
-        over_visible(wo, alpha, kPoints, [&](vec3 wm) {
-          const vec3 wi = microfacet_reflect(wo, wm);
-          if (wi.z <= 0.0f) return;
-          const double w = masking(wo, wi, alpha) / kPoints;
-          const auto fc = static_cast<double>(schlick_weight(dot(wo, wm)));
-          a += w * (1.0 - fc);
-          b += w * fc;
-        });
-      }
-      at(kTableGgx, (r * kTableMu + m) * 2) = static_cast<float>(a);
-      at(kTableGgx, (r * kTableMu + m) * 2 + 1) = static_cast<float>(b);
+      const vec2 ab = ggx_split_sum(direction(mu_at(m, kTableMu)), alpha);
+      at(kTableGgx, (r * kTableMu + m) * 2) = ab.x;
+      at(kTableGgx, (r * kTableMu + m) * 2 + 1) = ab.y;
     }
     for (int c = 0; c < 2; ++c) {
       at(kTableGgxMean, r * 2 + c) =

@@ -119,21 +119,5 @@ TEST(unit_image_cube_layout, solid_angles_of_a_cube_are_the_sphere) {
   EXPECT_NEAR(cube_texel_solid_angle(256, 128, 128) / cube_texel_solid_angle(256, 0, 0), std::pow(3.0, 1.5), 0.05);
 }
 
-TEST(unit_image_cube_layout, panorama_of_a_cube_is_addressed_as_an_environment) {
-  const CubeFaces faces = test::labelled_faces(64);
-  const Image panorama = equirect_from_cube(faces, 128);
-  double worst = 0.0;
-  for (int y = 0; y < 64; ++y) {
-    for (int x = 0; x < 128; ++x) {
-      const float phi = ((static_cast<float>(x) + 0.5f) / 128.0f - 0.5f) * 2.0f * kPi;
-      const float theta = (static_cast<float>(y) + 0.5f) / 64.0f * kPi;
-      const vec3 d(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
-      const vec3 found = glm::normalize(panorama.rgb(x, y) - 2.0f);
-      worst = std::max(worst, static_cast<double>(glm::length(found - d)));
-    }
-  }
-  EXPECT_LT(worst, 0.02);
-}
-
 }  // namespace
 }  // namespace candela

@@ -1,0 +1,345 @@
+#include "cli/bake_output.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "ibl/cube.h"
+#include "ibl/profile_files.h"
+#include "image/cube_file.h"
+#include "image/table_file.h"
+
+namespace candela::cli {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// Colours of up to 256 times white, finer in the dark than without the square.
+constexpr Rgbm kRgbm{.range = 16.0f, .is_squared = true};
+
+/// A cube of the world as `stem` of the format: addressed by the direction itself in textures, as seen from inside in
+/// pictures.
+EncodingLoss write_cube(const fs::path& folder, const std::string& stem, const Cubemap& cube,
+                        const BakeFormat& format) {
+  EncodingLoss loss;
+  if (format.kind == BakeFormat::Kind::texture) {
+    const TextureContainer container = format.texture.container;
+    const char* extension = container == TextureContainer::ktx2   ? ".ktx2"
+                            : container == TextureContainer::ktx1 ? ".ktx"
+                                                                  : ".dds";
+    return write_texture(folder / (stem + extension), cube, format.texture);
+  }
+  if (format.kind == BakeFormat::Kind::faces) {
+    write_cube_faces(folder / (stem + format.extension), file_from_world(cube, kPictureAxes));
+    return loss;
+  }
+  for (std::size_t level = 0; level < cube.levels.size(); ++level) {
+    const std::string name = cube.levels.size() > 1 ? fmt::format("{}_m{}", stem, level) : stem;
+    if (format.kind == BakeFormat::Kind::panorama) {
+      write_linear_image(folder / (name + ".exr"), ibl::equirect_from_cube(cube.levels[level], 4 * cube.size(level)));
+      continue;
+    }
+    const CubeFaces faces = file_from_world(cube.levels[level], kPictureAxes);
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      loss += write_rgbm_png(folder / fmt::format("{}_{}.png", name, kFaceNames[i]), faces[i], kRgbm);
+    }
+  }
+  return loss;
+}
+
+Cubemap one_level(const CubeFaces& faces) {
+  Cubemap cube;
+  cube.levels.push_back(faces);
+  return cube;
+}
+
+Json vector_json(dvec3 v) { return {v.x, v.y, v.z}; }
+
+Json sun_json(const ibl::Sun& sun) {
+  const double luminance = 0.2126 * sun.illuminance.x + 0.7152 * sun.illuminance.y + 0.0722 * sun.illuminance.z;
+  return {{"direction", vector_json(sun.direction)},
+          {"angular_diameter_deg", 2.0 * sun.angular_radius * 180.0 / static_cast<double>(kPi)},
+          {"illuminance", luminance},
+          {"color", vector_json(sun.illuminance / luminance)}};
+}
+
+std::string suns_json(const ibl::SunExtraction& extraction) {
+  Json suns = Json::array();
+  for (const ibl::Sun& sun : extraction.suns) suns.push_back(sun_json(sun));
+  return Json{{"what",
+               "direction is towards the sun; illuminance is that of a surface facing it, in lux where radiance is in "
+               "cd/m2; illuminance x color is linear Rec.709"},
+              {"suns", suns}}
+             .dump(2) +
+         "\n";
+}
+
+void write_harmonics(const fs::path& folder, const BakeResult& result) {
+  const ShText text{.unit = "irradiance",
+                    .basis = "real, orthonormal, without the Condon-Shortley sign, l (l + 1) + m",
+                    .axes = axes_text(CubeAxes()),
+                    .source = result.name};
+  write_sh_json(folder / "sh.json", result.bake->sh.coefficients, text);
+  write_sh_header(folder / "sh.h", result.bake->sh.coefficients, text, "sh");
+}
+
+void write_table(const fs::path& folder, const std::string& stem, const Image& table, const TableText& text) {
+  write_linear_image(folder / (stem + ".exr"), table);
+  write_texture(folder / (stem + ".ktx2"), table, {.format = TexelFormat::rgba32f});
+  write_table_json(folder / (stem + ".json"), table, text);
+  write_table_header(folder / (stem + ".h"), table, text, stem);
+}
+
+void write_tables(const fs::path& folder, const ibl::Tables& tables) {
+  const std::string columns = "NoV, in the middle of texels";
+  const std::string rows = "roughness, in the middle of texels";
+  write_table(folder, "dfg", tables.dfg,
+              {"split sum of GGX: F0 scale + F90 bias; directional albedo of the sheen lobe",
+               columns,
+               rows,
+               {"scale", "bias", "sheen"}});
+  write_table(folder, "dfg_k_ibl", tables.dfg_k_ibl,
+              {"split sum of GGX with Schlick's masking, k = roughness^2 / 2", columns, rows, {"scale", "bias"}});
+}
+
+/// What an engine takes, in its own words.
+EncodingLoss write_for_engine(const fs::path& folder, const BakeResult& result) {
+  ibl::BakedLight light;
+  light.source = result.name;
+  if (result.bake) {
+    light.specular = &result.bake->specular;
+    light.diffuse = &result.bake->irradiance;
+    light.sh = result.bake->sh_radiance.coefficients;
+    if (result.panorama) light.panorama = &*result.panorama;
+  }
+  if (result.tables) light.table = &result.tables->dfg;
+  return ibl::write_for(*result.profile, folder, light).loss;
+}
+
+EncodingLoss write_plain(const fs::path& folder, const BakeResult& result) {
+  EncodingLoss loss;
+  if (result.bake) {
+    loss += write_cube(folder, "specular", result.bake->specular, result.format);
+    if (!result.bake->sheen.empty()) loss += write_cube(folder, "sheen", result.bake->sheen, result.format);
+    loss += write_cube(folder, "irradiance", one_level(result.bake->irradiance), result.format);
+    write_harmonics(folder, result);
+  }
+  if (result.tables) write_tables(folder, *result.tables);
+  return loss;
+}
+
+/// The one place where files are made.
+void write_files(const fs::path& folder, BakeResult& result) {
+  const EncodingLoss loss = result.profile != nullptr ? write_for_engine(folder, result) : write_plain(folder, result);
+  if (loss.clamped > 0) {
+    result.warnings.push_back(
+        {fmt::format("{} texels above what the format holds were clamped, the brightest was {:.4g}", loss.clamped,
+                     loss.largest),
+         ""});
+  }
+  if (result.suns) {
+    write_file(folder / "suns.json", suns_json(*result.suns));
+    write_linear_image(folder / "without_suns.exr", result.suns->rest.map);
+  }
+  write_file(folder / "bake.json", bake_json(result));
+}
+
+/// A folder that goes away with what is still in it.
+class Workshop {
+ public:
+  explicit Workshop(const fs::path& beside)
+      : path_(beside.parent_path() / fmt::format(".{}.{}", beside.filename().string(), ::getpid())) {
+    std::error_code code;
+    fs::create_directory(path_, code);
+    if (code) throw Error("cannot make a folder: " + code.message(), beside.string());
+  }
+  ~Workshop() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+Json error_json(const ibl::ErrorBound& error) { return {{"max", error.max}, {"rms", error.rms}}; }
+
+std::string_view method_name(ibl::Method method) {
+  switch (method) {
+    case ibl::Method::zonal:
+      return "zonal";
+    case ibl::Method::hierarchical:
+      return "hierarchical";
+    case ibl::Method::fis:
+      return "fis";
+    case ibl::Method::montecarlo:
+      return "montecarlo";
+    case ibl::Method::automatic:
+      break;
+  }
+  return "mirror";
+}
+
+Json levels_json(const std::vector<ibl::Level>& levels, int size) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const ibl::Level& level = levels[i];
+    Json row = {
+        {"level", i}, {"size", size >> i}, {"roughness", level.roughness}, {"method", method_name(level.method)}};
+    if (level.proof.at_texels.directions > 0) {
+      row["error_at_texels"] = error_json(level.proof.at_texels);
+      row["error_between"] = error_json(level.proof.between);
+      row["refinements"] = level.refinements;
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::string level_text(const std::string& name, int size, std::string_view method, const ibl::Level& level) {
+  std::string text = fmt::format("{:<18} {:>5} {:>10.4g} {:<13}", name, size, level.roughness, method);
+  const auto percent = [](double v) { return fmt::format("{:.2g} %", 100.0 * v); };
+  if (level.proof.at_texels.directions > 0) {
+    text += fmt::format("{:>12} {:>11} {:>12} {:>11}", percent(level.proof.at_texels.max),
+                        percent(level.proof.at_texels.rms), percent(level.proof.between.max),
+                        percent(level.proof.between.rms));
+  }
+  text.erase(text.find_last_not_of(' ') + 1);
+  return text + "\n";
+}
+
+}  // namespace
+
+void write_bake(const fs::path& folder, BakeResult& result) {
+  const fs::path whole = folder.has_filename() ? folder : folder.parent_path();
+  const Workshop workshop(fs::absolute(whole));
+  write_files(workshop.path(), result);
+  std::error_code code;
+  fs::create_directory(whole, code);
+  if (code) throw Error("cannot make the folder: " + code.message(), whole.string());
+  for (const fs::directory_entry& file : fs::directory_iterator(workshop.path())) {
+    fs::rename(file.path(), whole / file.path().filename(), code);
+    if (code) throw Error("cannot write: " + code.message(), (whole / file.path().filename()).string());
+  }
+}
+
+std::string bake_json(const BakeResult& result) {
+  Json json = {{"environment", result.name}};
+  if (result.profile != nullptr) json["profile"] = result.profile->name;
+  if (result.bake) {
+    const ibl::Bake& bake = *result.bake;
+    json["size"] = result.settings.size;
+    json["energy"] = {{"in", vector_json(bake.flux_in)}, {"out", vector_json(bake.flux_out)}};
+    json["specular"] = levels_json(bake.levels, result.settings.size);
+    if (!bake.sheen.empty()) json["sheen"] = levels_json(bake.sheen_levels, result.settings.size);
+    json["irradiance"] = levels_json({bake.irradiance_level}, result.settings.irradiance_size)[0];
+    json["irradiance"].erase("level");
+    json["irradiance"].erase("method");
+    json["irradiance"].erase("roughness");
+    json["sh"] = {{"order", bake.sh.order}, {"window_width", bake.sh_window_width}};
+    if (bake.sh_error.directions > 0) {
+      json["sh"]["error"] = error_json(bake.sh_error);
+      json["proof"] = {{"directions", bake.sh_error.directions},
+                       {"confidence", bake.sh_error.confidence},
+                       {"share_exceeding_max", bake.sh_error.exceeding},
+                       {"relative_to", "the exact value at the same direction, lengths of RGB vectors"}};
+    }
+    json["bake_s"] = result.bake_s;
+  }
+  if (result.suns) {
+    json["suns"] = Json::array();
+    for (const ibl::Sun& sun : result.suns->suns) json["suns"].push_back(sun_json(sun));
+  }
+  if (result.tables) json["tables"] = {{"size", result.tables->dfg.width}, {"seconds", result.tables_s}};
+  json["warnings"] = Json::array();
+  for (const Diagnostic& warning : result.warnings) json["warnings"].push_back(warning.text());
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string bake_text(const BakeResult& result) {
+  std::string text;
+  if (result.bake) {
+    const ibl::Bake& bake = *result.bake;
+    const dvec3 change = bake.flux_out - bake.flux_in;
+    text +=
+        fmt::format("energy in  {:.7g} {:.7g} {:.7g}\nenergy out {:.7g} {:.7g} {:.7g}  ({:.1e} of it lost or won)\n",
+                    bake.flux_in.x, bake.flux_in.y, bake.flux_in.z, bake.flux_out.x, bake.flux_out.y, bake.flux_out.z,
+                    glm::length(change) / glm::length(bake.flux_in));
+    const int n = bake.sh_error.directions;
+    text += fmt::format("\n{:<18} {:>5} {:>10} {:<13}", "", "size", "roughness", "method");
+    text += n > 0 ? "   at texels: max     rms    between: max     rms\n" : "\n";
+    const auto lines = [&](const char* name, const std::vector<ibl::Level>& levels) {
+      for (std::size_t i = 0; i < levels.size(); ++i) {
+        text += level_text(fmt::format("{} {}", name, i), result.settings.size >> i, method_name(levels[i].method),
+                           levels[i]);
+      }
+    };
+    lines("specular", bake.levels);
+    lines("sheen", bake.sheen_levels);
+    text += level_text("irradiance", result.settings.irradiance_size, "", bake.irradiance_level);
+    if (n > 0) {
+      text += fmt::format("irradiance as harmonics of order {}: max {:.2g} %, rms {:.2g} %\n", bake.sh.order,
+                          100.0 * bake.sh_error.max, 100.0 * bake.sh_error.rms);
+      text += fmt::format(
+          "\nErrors are relative to the exact integral at the same direction, {} directions each: with {:.0f} %\n"
+          "confidence at most {:.1f} % of all directions err by more than the maximum. 'between' is what a bilinear\n"
+          "lookup of the texels adds.\n",
+          n, 100.0 * bake.sh_error.confidence, 100.0 * bake.sh_error.exceeding);
+    }
+  }
+  if (result.suns) {
+    for (const ibl::Sun& sun : result.suns->suns) {
+      text += fmt::format("sun towards {:.4f} {:.4f} {:.4f}, {:.2f} degrees wide, illuminance {:.5g} {:.5g} {:.5g}\n",
+                          sun.direction.x, sun.direction.y, sun.direction.z,
+                          2.0 * sun.angular_radius * 180.0 / static_cast<double>(kPi), sun.illuminance.x,
+                          sun.illuminance.y, sun.illuminance.z);
+    }
+    if (result.suns->suns.empty()) text += "no sun: nothing small is bright enough\n";
+  }
+  if (result.tables) {
+    text += fmt::format("tables of {0}x{0} in {1:.2f} s\n", result.tables->dfg.width, result.tables_s);
+  }
+  return text;
+}
+
+std::string diff_text(const std::vector<CubeLevelDifference>& levels) {
+  std::string text = fmt::format("{:>5} {:>6} {:>11} {:>11} {:>11} {:>13}  {}\n", "level", "size", "max", "rms", "mean",
+                                 "max absolute", "where");
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const CubeLevelDifference& d = levels[i];
+    const auto percent = [](double v) { return fmt::format("{:.3g} %", 100.0 * v); };
+    text += fmt::format("{:>5} {:>6} {:>11} {:>11} {:>11} {:>13.4g}  {} {},{}\n", i, d.size, percent(d.max_relative),
+                        percent(d.rms_relative), percent(d.mean_relative), d.max_absolute,
+                        kFaceNames[static_cast<std::size_t>(d.face)], d.x, d.y);
+    if (d.non_finite > 0) text += fmt::format("      {} texels are not finite and left out\n", d.non_finite);
+  }
+  return text;
+}
+
+std::string diff_json(const std::vector<CubeLevelDifference>& levels) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const CubeLevelDifference& d = levels[i];
+    rows.push_back({{"level", i},
+                    {"size", d.size},
+                    {"max", d.max_relative},
+                    {"rms", d.rms_relative},
+                    {"mean", d.mean_relative},
+                    {"max_absolute", d.max_absolute},
+                    {"face", kFaceNames[static_cast<std::size_t>(d.face)]},
+                    {"texel", {d.x, d.y}},
+                    {"not_finite", d.non_finite}});
+  }
+  return Json{{"levels", rows}}.dump(2) + "\n";
+}
+
+}  // namespace candela::cli

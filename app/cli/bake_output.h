@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/diagnostics.h"
+#include "ibl/bake.h"
+#include "ibl/profile.h"
+#include "ibl/sun.h"
+#include "ibl/tables.h"
+#include "image/cube_metrics.h"
+#include "image/texture_file.h"
+
+namespace candela::cli {
+
+/// How a bake is written where no engine is asked for.
+struct BakeFormat {
+  enum class Kind { faces, panorama, rgbm, texture } kind = Kind::faces;
+  std::string extension = ".exr";  ///< of faces
+  TextureOptions texture;
+};
+
+/// Everything `candela bake` made, and what it says about it.
+struct BakeResult {
+  std::string name;  ///< of the environment
+  ibl::BakeSettings settings;
+  BakeFormat format;
+  const ibl::Profile* profile = nullptr;  ///< the engine that it is written for, or none
+  std::optional<Image> panorama;          ///< what was baked, where it came as one that nothing has to be added to
+  std::optional<ibl::Bake> bake;          ///< absent for --tables alone
+  std::optional<ibl::SunExtraction> suns;
+  std::optional<ibl::Tables> tables;
+  std::vector<Diagnostic> warnings;
+  double bake_s = 0.0;
+  double tables_s = 0.0;
+};
+
+/// Writes all files of a bake into `folder`, which is made where it is absent. They are made in a folder beside it
+/// first and moved once all of them are whole. What a format cannot hold becomes a warning. Throws Error.
+void write_bake(const std::filesystem::path& folder, BakeResult& result);
+
+/// For a person, for a machine, and as one page of HTML with pictures in it.
+std::string bake_text(const BakeResult& result);
+std::string bake_json(const BakeResult& result);
+std::string bake_html(const BakeResult& result);
+
+std::string diff_text(const std::vector<CubeLevelDifference>& levels);
+std::string diff_json(const std::vector<CubeLevelDifference>& levels);
+
+}  // namespace candela::cli
