@@ -182,6 +182,12 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   }
 }
 
+/// Squared cosines of azimuths that stand evenly in a quarter of the circle.
+SHADE_CONST int kAzimuths = 4;
+SHADE_FN float layers_azimuth(int i) {
+  return i == 0 ? 0.9619398f : i == 1 ? 0.6913417f : i == 2 ? 0.3086583f : 0.0380602f;
+}
+
 /// A film lets each channel through by a law of its own: base_transmission of each, where facets reflect `beyond` more
 /// than Schlick's curve, over that of the whole.
 SHADE_FN vec3 layers_film_below(SHADE_IN(Surface) s, vec2 ab, vec3 beyond) {
@@ -190,11 +196,21 @@ SHADE_FN vec3 layers_film_below(SHADE_IN(Surface) s, vec2 ab, vec3 beyond) {
   return max(vec3(1.0f) - reflected, vec3(0.0f)) * (1.0f / max(base_transmission(s, ab), 1e-3f));
 }
 
-SHADE_FN vec3 layers_film_below_at(SHADE_IN(Surface) s, vec2 ab, float mu) {
-  TableCell m = table_cell_mu(mu, kTableMu);
+SHADE_FN vec3 layers_film_below_at(SHADE_IN(Surface) s, vec2 ab, vec3 w) {
+  TableCell m = table_cell_mu(abs(w.z), kTableMu);
+  TableCell row = (s.lobes & kLobeAnisotropy) == 0 ? s.row : table_ggx_roughness(layers_roughness_along(s, w));
   vec3 beyond = vec3(0.0f);
-  for (int i = 0; i < kFilmCosines; ++i) beyond += s.film_beyond[i] * table_film(i, m, s.row);
+  for (int i = 0; i < kFilmCosines; ++i) beyond += s.film_beyond[i] * table_film(i, m, row);
   return layers_film_below(s, ab, beyond);
+}
+
+SHADE_FN float layers_film_mean(SHADE_IN(Surface) s, int i) {
+  if ((s.lobes & kLobeAnisotropy) == 0) return table_film_mean(i, s.row);
+  float sum = 0.0f;
+  for (int k = 0; k < kAzimuths; ++k) {
+    sum += table_film_mean(i, table_ggx_roughness(layers_roughness_at(s, layers_azimuth(k))));
+  }
+  return sum * (1.0f / float(kAzimuths));
 }
 
 /// After base_energy, whose split-sum terms and means these are.
@@ -204,11 +220,11 @@ SHADE_APART SHADE_FN void layers_prepare_film(vec3 wo, vec2 ab, vec2 mean, SHADE
     float mu = table_film_cosine(i);
     vec3 schlick = s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * schlick_weight(mu);
     s.film_beyond[i] = terms_fresnel_dielectric(s, mu) - schlick;
-    beyond += s.film_beyond[i] * table_film_mean(i, s.row);
+    beyond += s.film_beyond[i] * layers_film_mean(s, i);
   }
   s.film_escape = multiscatter_share3(schlick_mean(s.f0_dielectric, s.f90_dielectric), 1.0f - s.escape_mean);
   s.film_below_scale = vec3(1.0f) / max(layers_film_below(s, mean, beyond), vec3(1e-3f));
-  s.film_below_o = layers_film_below_at(s, ab, wo.z);
+  s.film_below_o = layers_film_below_at(s, ab, wo);
 }
 
 /// Split-sum terms at w.
@@ -248,12 +264,6 @@ SHADE_FN void layers_prepare_sheen(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surfac
   s.sheen_roughness = max(p.sheen_roughness, kSheenLeastRoughness);
   s.sheen_alpha = sheen_alpha(p.sheen_roughness);
   s.sheen_weight = shade_max3(p.sheen_color);
-}
-
-/// Squared cosines of azimuths that stand evenly in a quarter of the circle.
-SHADE_CONST int kAzimuths = 4;
-SHADE_FN float layers_azimuth(int i) {
-  return i == 0 ? 0.9619398f : i == 1 ? 0.6913417f : i == 2 ? 0.3086583f : 0.0380602f;
 }
 
 /// Cosine-weighted mean of what single scattering at a boundary loses.
@@ -415,7 +425,7 @@ SHADE_FN vec3 layers_from_coat(SHADE_IN(Surface) s, vec3 w) {
 SHADE_FN vec3 layers_diffuse_through(SHADE_IN(Surface) s, vec3 wi, LayersAt at, vec2 ab) {
   vec3 through = vec3(s.transmission_o * layers_transmission(s, at, ab) * s.diffuse_scale);
   if (!s.has_film_below) return through;
-  return through * s.film_below_o * layers_film_below_at(s, ab, abs(wi.z)) * s.film_below_scale;
+  return through * s.film_below_o * layers_film_below_at(s, ab, wi) * s.film_below_scale;
 }
 
 /// The same by the model's blend.

@@ -245,10 +245,10 @@ void add_combinations(Table& table) {
       // known to the tables by a round lobe.
       Promise promise{true, true, 0.02, 0.015};
       // Seen from within, what a layer on a body would send back is lost.
-      if ((has_sheen || has_coat) && has_glass && !p.is_thin) promise.loss = 0.05;
-      if (has_sheen && has_coat) promise.loss = 0.075;
-      if (has_film && !is_metal) promise.gain = 0.04;
-      if (has_film && !is_metal) promise.loss = 0.1;
+      if ((has_sheen || has_coat) && has_glass && !p.is_thin) promise.loss = 0.055;
+      if (has_sheen && has_coat) promise.loss = 0.085;
+      // What rough glass loses is found without its film.
+      if (has_film && has_glass && !p.is_thin) promise.gain = 0.03;
       if (has_anisotropy) promise.gain = std::max(promise.gain, 0.03);
       if (has_anisotropy) promise.loss = std::max(promise.loss, 0.08);
       if (has_anisotropy && has_glass) promise.gain = std::max(promise.gain, 0.075);
