@@ -28,6 +28,34 @@ def grey_png(width, height):
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b"")
 
 
+def exr(width, height, value):
+    """An uncompressed OpenEXR file of 32-bit floats; `value(x, y)` is grey."""
+
+    def attribute(name, kind, body):
+        return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(body)) + body
+
+    channels = b"".join(c + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for c in (b"B", b"G", b"R")) + b"\0"
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    head = b"\x76\x2f\x31\x01\x02\0\0\0" + b"".join(
+        (
+            attribute("channels", "chlist", channels),
+            attribute("compression", "compression", b"\0"),
+            attribute("dataWindow", "box2i", window),
+            attribute("displayWindow", "box2i", window),
+            attribute("lineOrder", "lineOrder", b"\0"),
+            attribute("pixelAspectRatio", "float", struct.pack("<f", 1)),
+            attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
+            attribute("screenWindowWidth", "float", struct.pack("<f", 1)),
+            b"\0",
+        )
+    )
+    line = 8 + 12 * width
+    first = len(head) + 8 * height
+    offsets = struct.pack(f"<{height}Q", *(first + y * line for y in range(height)))
+    rows = (struct.pack(f"<{width}f", *(value(x, y) for x in range(width))) for y in range(height))
+    return head + offsets + b"".join(struct.pack("<ii", y, 12 * width) + 3 * row for y, row in enumerate(rows))
+
+
 class Bake(CliTest):
     def test_furnace_is_white_and_the_errors_are_told(self):
         report = json.loads(self.succeeds("bake", "furnace", "-o", "out", "--json", *SMALL).out)
@@ -165,6 +193,12 @@ class Bake(CliTest):
     def test_oddities_are_told_and_survived(self):
         (self.folder / "grey.png").write_bytes(grey_png(16, 8))
         self.assertRegex(self.succeeds("bake", "grey.png", "-o", "out", *SMALL).err, "end at white")
+        odd = {(3, 2): float("nan"), (9, 2): float("inf"), (1, 5): -2.0}
+        (self.folder / "odd.exr").write_bytes(exr(16, 8, lambda x, y: odd.get((x, y), 1.0)))
+        done = self.succeeds("bake", "odd.exr", "-o", "out", "--json", *SMALL)
+        self.assertRegex(done.err, "2 texels are not finite, the first at 3,2")
+        self.assertRegex(done.err, "1 texels are negative, the first at 1,5")
+        self.assertLess(json.loads(done.out)["energy"]["in"][0], 4 * 3.1416)
 
     def test_bad_input_leaves_nothing(self):
         (self.folder / "square.hdr").write_bytes(hdr(8, 8, lambda x, y: (128, 128, 128, 128)))
