@@ -215,7 +215,7 @@ void add_rest(CLI::App* verb, BakeOptions& o) {
   verb->add_flag("--extract-sun", o.extract_sun, "Also the sun as numbers and the environment without it")
       ->group("Light");
   add(verb, "Proof", "--proof", "N", o.bake.proof_directions, count_within(0, kMostDirections),
-      "Directions per level that are compared with the exact integral [32]");
+      "Directions per level that are compared with the exact integral [16]");
   add(verb, "Proof", "--error", "X", o.bake.error, parse_share,
       "Refine until no level errs by more at its texels: 0.001 or 0.1%");
   add(

@@ -114,6 +114,7 @@ TEST(law_ibl_sh, more_orders_err_less_and_a_window_leaves_nothing_negative) {
   std::vector<dvec3> exact = ibl::irradiance(source, directions, ibl::IrradianceMethod::exact, 0);
   const auto rms = [&](const ibl::Sh& sh) {
     std::vector<dvec3> values;
+    values.reserve(directions.size());
     for (const dvec3& d : directions) values.push_back(ibl::sh_evaluate(sh, d));
     return ibl::compare(values, exact, directions).rms;
   };

@@ -119,9 +119,11 @@ std::optional<vec2> numbers_for(const Closure& closure, const Branch& branch, ve
     vec2 u;
   };
   std::vector<Start> starts;
-  for (int i = 0; i < kGrid * kGrid; ++i) {
-    const vec2 u((static_cast<float>(i % kGrid) + 0.5f) / kGrid, (static_cast<float>(i / kGrid) + 0.5f) / kGrid);
-    if (const auto wi = direction_of(closure, branch, u)) starts.push_back({glm::length(*wi - target), u});
+  for (int row = 0; row < kGrid; ++row) {
+    for (int column = 0; column < kGrid; ++column) {
+      const vec2 u = (vec2(column, row) + 0.5f) / static_cast<float>(kGrid);
+      if (const auto wi = direction_of(closure, branch, u)) starts.push_back({glm::length(*wi - target), u});
+    }
   }
   std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.distance < b.distance; });
   starts.resize(std::min<std::size_t>(starts.size(), 6));
