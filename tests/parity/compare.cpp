@@ -59,6 +59,7 @@ const std::vector<MemberRow>& member_rows() {
       // And that itself.
       {"Surface.glass_reflected", 100.0},  // a ratio of such
       {"Surface.*escape*", 100.0},
+      {"Surface.specular_albedo_o", 100.0},  // which it is a part of, of dark boundaries the larger
       // What is left of two reflectances that are nearly the same.
       {"Surface.film_beyond", 100.0},
   };
