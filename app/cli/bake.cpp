@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "candela/candela.h"
 #include "cli/bake_output.h"
 #include "cli/interrupt.h"
+#include "cli/option.h"
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/values.h"
@@ -60,24 +60,6 @@ struct BakeOptions {
   int threads = 0;
 };
 
-/// An option with one value; what its text cannot mean names the option.
-template <class T, class Parse>
-void add(CLI::App* verb, const std::string& group, const std::string& name, const std::string& type, T& into,
-         Parse parse, const std::string& help) {
-  const auto store = [name, &into, parse](const std::string& text) {
-    try {
-      into = parse(text);
-    } catch (const UsageError& error) {
-      throw UsageError(name + ": " + error.what());
-    }
-  };
-  verb->add_option_function<std::string>(name, store, help)->type_name(type)->group(group);
-}
-
-auto count_within(int low, int high) {
-  return [low, high](const std::string& text) { return parse_count(text, low, high); };
-}
-
 template <class T, std::size_t n>
 auto one_of(std::array<std::pair<std::string_view, T>, n> choices) {
   return [choices](const std::string& text) {
@@ -104,21 +86,26 @@ void add_cube(CLI::App* verb, BakeOptions& o) {
   constexpr int kMostLevels = 13;
   constexpr int kMostSamples = 1 << 20;
   const std::string group = "Specular";
-  add(verb, group, "--size", "N", o.bake.size, count_within(1, kMostSize), "Texels along a face of level 0 [256]");
-  add(verb, group, "--levels", "N", o.bake.levels, count_within(1, kMostLevels), "Each half the size of the last [6]");
-  add(verb, group, "--mapping", "NAME", o.bake.mapping,
-      one_of<Mapping, 3>(
-          {{{"balanced", Mapping::balanced}, {"linear", Mapping::linear}, {"filament", Mapping::filament}}}),
-      "Roughness of the levels: balanced (its square halves as texels do), linear, filament [balanced]");
-  add(verb, group, "--method", "NAME", o.bake.specular.method,
-      one_of<Method, 5>({{{"auto", Method::automatic},
-                          {"zonal", Method::zonal},
-                          {"hierarchical", Method::hierarchical},
-                          {"fis", Method::fis},
-                          {"montecarlo", Method::montecarlo}}}),
-      "zonal, hierarchical; fis and montecarlo for comparison [auto: zonal where the lobe allows]");
-  add(verb, group, "--samples", "N", o.bake.specular.samples, count_within(1, kMostSamples),
-      "Of fis, montecarlo and riemann, per texel [1024]");
+  add_value(verb, "--size", "N", o.bake.size, count_within(1, kMostSize), "Texels along a face of level 0 [256]")
+      ->group(group);
+  add_value(verb, "--levels", "N", o.bake.levels, count_within(1, kMostLevels), "Each half the size of the last [6]")
+      ->group(group);
+  add_value(verb, "--mapping", "NAME", o.bake.mapping,
+            one_of<Mapping, 3>(
+                {{{"balanced", Mapping::balanced}, {"linear", Mapping::linear}, {"filament", Mapping::filament}}}),
+            "Roughness of the levels: balanced (its square halves as texels do), linear, filament [balanced]")
+      ->group(group);
+  add_value(verb, "--method", "NAME", o.bake.specular.method,
+            one_of<Method, 5>({{{"auto", Method::automatic},
+                                {"zonal", Method::zonal},
+                                {"hierarchical", Method::hierarchical},
+                                {"fis", Method::fis},
+                                {"montecarlo", Method::montecarlo}}}),
+            "zonal, hierarchical; fis and montecarlo for comparison [auto: zonal where the lobe allows]")
+      ->group(group);
+  add_value(verb, "--samples", "N", o.bake.specular.samples, count_within(1, kMostSamples),
+            "Of fis, montecarlo and riemann, per texel [1024]")
+      ->group(group);
   verb->add_flag("--sheen", o.bake.sheen, "Also the levels of the sheen lobe")->group(group);
 }
 
@@ -127,21 +114,25 @@ void add_diffuse(CLI::App* verb, BakeOptions& o) {
   using ibl::Window;
   constexpr int kMostSize = 1024;
   const std::string group = "Diffuse";
-  add(verb, group, "--irradiance", "NAME", o.bake.irradiance_method,
-      one_of<IrradianceMethod, 3>({{{"exact", IrradianceMethod::exact},
-                                    {"riemann", IrradianceMethod::riemann},
-                                    {"montecarlo", IrradianceMethod::montecarlo}}}),
-      "exact; riemann and montecarlo for comparison [exact]");
-  add(verb, group, "--irradiance-size", "N", o.bake.irradiance_size, count_within(1, kMostSize),
-      "Texels along a face [32]");
-  add(verb, group, "--sh-order", "L", o.bake.sh_order, count_within(0, ibl::kMostShOrder),
-      "Highest degree of the spherical harmonics [2: nine of them]");
-  add(verb, group, "--window", "NAME", o.bake.window,
-      one_of<Window, 4>({{{"none", Window::none},
-                          {"hann", Window::hann},
-                          {"lanczos", Window::lanczos},
-                          {"auto", Window::automatic}}}),
-      "Damps their ringing: none, hann, lanczos, auto (as little as leaves nothing negative) [none]");
+  add_value(verb, "--irradiance", "NAME", o.bake.irradiance_method,
+            one_of<IrradianceMethod, 3>({{{"exact", IrradianceMethod::exact},
+                                          {"riemann", IrradianceMethod::riemann},
+                                          {"montecarlo", IrradianceMethod::montecarlo}}}),
+            "exact; riemann and montecarlo for comparison [exact]")
+      ->group(group);
+  add_value(verb, "--irradiance-size", "N", o.bake.irradiance_size, count_within(1, kMostSize),
+            "Texels along a face [32]")
+      ->group(group);
+  add_value(verb, "--sh-order", "L", o.bake.sh_order, count_within(0, ibl::kMostShOrder),
+            "Highest degree of the spherical harmonics [2: nine of them]")
+      ->group(group);
+  add_value(verb, "--window", "NAME", o.bake.window,
+            one_of<Window, 4>({{{"none", Window::none},
+                                {"hann", Window::hann},
+                                {"lanczos", Window::lanczos},
+                                {"auto", Window::automatic}}}),
+            "Damps their ringing: none, hann, lanczos, auto (as little as leaves nothing negative) [none]")
+      ->group(group);
 }
 
 BakeFormat parse_format(const std::string& text) {
@@ -169,21 +160,17 @@ CubeAxes parse_axes_option(const std::string& text) {
 
 void add_files(CLI::App* verb, BakeOptions& o) {
   const std::string group = "Files";
-  add(
-      verb, group, "--profile", "ENGINE", o.profile,
-      [](const std::string& text) {
-        try {
-          return &ibl::find_profile(text);
-        } catch (const Error& error) {
-          throw UsageError(error.what());
-        }
-      },
-      "What an engine reads: filament, three, babylon, khronos, bevy, godot, unreal, unity");
-  add(verb, group, "--format", "NAME", o.format, parse_format,
-      "exr, hdr (six faces a level), panorama, rgbm, ktx2, ktx2-rgba32f, ktx2-rgb9e5, ktx1, ktx1-rgba16f, dds, "
-      "dds-rgba32f [exr]");
-  add(verb, group, "--axes", "AXES", o.axes, parse_axes_option,
-      "By which a cube map that is read is looked up, in terms of the world's: -x+y+z is as seen from inside");
+  add_value(
+      verb, "--profile", "ENGINE", o.profile, [](const std::string& text) { return &ibl::find_profile(text); },
+      "What an engine reads: filament, three, babylon, khronos, bevy, godot, unreal, unity")
+      ->group(group);
+  add_value(verb, "--format", "NAME", o.format, parse_format,
+            "exr, hdr (six faces a level), panorama, rgbm, ktx2, ktx2-rgba32f, ktx2-rgb9e5, ktx1, ktx1-rgba16f, dds, "
+            "dds-rgba32f [exr]")
+      ->group(group);
+  add_value(verb, "--axes", "AXES", o.axes, parse_axes_option,
+            "By which a cube map that is read is looked up, in terms of the world's: -x+y+z is as seen from inside")
+      ->group(group);
   verb->add_option("--diff", o.compared, "Compare two baked cube maps, level by level, and bake nothing")
       ->type_name("FILE")
       ->expected(2)
@@ -192,11 +179,13 @@ void add_files(CLI::App* verb, BakeOptions& o) {
 
 void add_scene(CLI::App* verb, BakeOptions& o) {
   constexpr int kMostSpp = 1 << 20;
-  add(
-      verb, "Light", "--from-scene", "SCENE", o.scene, [](const std::string& text) { return text; },
-      "Bake what a point of a scene sees, path traced; ENV lights the scene [studio]");
-  add(verb, "Light", "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres");
-  add(verb, "Light", "--spp", "N", o.spp, count_within(1, kMostSpp), "Samples per texel of what it sees [64]");
+  add_value(
+      verb, "--from-scene", "SCENE", o.scene, [](const std::string& text) { return text; },
+      "Bake what a point of a scene sees, path traced; ENV lights the scene [studio]")
+      ->group("Light");
+  add_value(verb, "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres")->group("Light");
+  add_value(verb, "--spp", "N", o.spp, count_within(1, kMostSpp), "Samples per texel of what it sees [64]")
+      ->group("Light");
 }
 
 void add_rest(CLI::App* verb, BakeOptions& o) {
@@ -204,33 +193,36 @@ void add_rest(CLI::App* verb, BakeOptions& o) {
   constexpr float kMostIntensity = 1e30f;
   constexpr int kMostTable = 1024;
   constexpr int kMostThreads = 1024;
-  add(
-      verb, "Light", "--env-rotation", "DEG", o.rotation,
+  add_value(
+      verb, "--env-rotation", "DEG", o.rotation,
       [](const std::string& text) { return candela::radians(parse_number(text, -36000.0f, 36000.0f)); },
-      "Turns the environment about +y [0]");
-  add(
-      verb, "Light", "--env-intensity", "X", o.intensity,
+      "Turns the environment about +y [0]")
+      ->group("Light");
+  add_value(
+      verb, "--env-intensity", "X", o.intensity,
       [](const std::string& text) { return parse_number(text, 0.0f, kMostIntensity); },
-      "Multiplies the environment [1]");
+      "Multiplies the environment [1]")
+      ->group("Light");
   verb->add_flag("--extract-sun", o.extract_sun, "Also the sun as numbers and the environment without it")
       ->group("Light");
-  add(verb, "Proof", "--proof", "N", o.bake.proof_directions, count_within(0, kMostDirections),
-      "Directions per level that are compared with the exact integral [16]");
-  add(verb, "Proof", "--error", "X", o.bake.error, parse_share,
-      "Refine until no level errs by more at its texels: 0.001 or 0.1%");
-  add(
-      verb, "Proof", "--report", "FILE.html", o.report, [](const std::string& text) { return text; },
-      "The errors as a page with pictures");
+  add_value(verb, "--proof", "N", o.bake.proof_directions, count_within(0, kMostDirections),
+            "Directions per level that are compared with the exact integral [16]")
+      ->group("Proof");
+  add_value(verb, "--error", "X", o.bake.error, parse_share,
+            "Refine until no level errs by more at its texels: 0.001 or 0.1%")
+      ->group("Proof");
+  add_value(
+      verb, "--report", "FILE.html", o.report, [](const std::string& text) { return text; },
+      "The errors as a page with pictures")
+      ->group("Proof");
   verb->add_flag("--json", o.json, "The errors as one JSON object on standard output")->group("Proof");
   verb->add_flag("--tables", o.tables, "Also the split-sum tables; alone without an environment")->group("Tables");
-  add(verb, "Tables", "--table-size", "N", o.table_size, count_within(2, kMostTable), "Their width and height [128]");
-  add(verb, "Running", "--threads", "N", o.threads, count_within(0, kMostThreads),
-      "0 is all; the result does not depend on it [0]");
+  add_value(verb, "--table-size", "N", o.table_size, count_within(2, kMostTable), "Their width and height [128]")
+      ->group("Tables");
+  add_value(verb, "--threads", "N", o.threads, count_within(0, kMostThreads),
+            "0 is all; the result does not depend on it [0]")
+      ->group("Running");
   verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group("Running");
-}
-
-bool is_built_in(const std::string& name) {
-  return name == "studio" || name == "sky" || name.starts_with("sky:") || name == "furnace" || name == "none";
 }
 
 std::string at_text(ivec2 at) { return fmt::format("{},{}", at.x, at.y); }
@@ -249,43 +241,43 @@ void tell_repairs(const ibl::Repairs& repairs, const std::string& path, std::vec
   }
 }
 
-/// A panorama from a file, with what is wrong in it put right and told.
-Environment load_panorama(const std::string& path, std::vector<Diagnostic>& warnings) {
-  auto map = std::make_shared<Image>(read_image(path));
-  constexpr float kTolerance = 0.05f;  // a few pixels come from resizing
-  if (std::abs(static_cast<float>(map->width) / static_cast<float>(map->height) - 2.0f) > kTolerance) {
-    throw Error(fmt::format("an equirectangular environment is twice as wide as high, this image is {}x{}", map->width,
-                            map->height),
-                path);
-  }
-  const ImageFormat format = sniff_image_format(read_file(path));
+/// A panorama of a file, with what is wrong in it put right and told.
+Environment make_panorama(Image image, const std::string& path, std::vector<Diagnostic>& warnings) {
+  check_panorama(image, path);
+  const ImageFormat format = sniff_image_format(read_head(path, 16));
   if (format == ImageFormat::png || format == ImageFormat::jpeg) {
     warnings.push_back(
         {"8 or 16 bits per channel end at white: what is brighter, the sun above all, is missing", path});
   }
-  tell_repairs(ibl::repair(*map), path, warnings);
+  tell_repairs(ibl::repair(image), path, warnings);
   Environment environment;
   environment.name = path;
-  environment.map = std::move(map);
+  environment.map = std::make_shared<Image>(std::move(image));
   return environment;
 }
 
-/// The first level of a cube map, put right likewise.
-CubeFaces load_cube(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
-  CubeFaces faces = read_cubemap(o.environment, o.axes).levels.at(0);
+/// The largest level of a cube map, put right likewise.
+CubeFaces make_faces(Cubemap cube, const BakeOptions& o, std::vector<Diagnostic>& warnings) {
+  CubeFaces faces = std::move(cube.levels.at(0));
   for (std::size_t i = 0; i < faces.size(); ++i) {
     tell_repairs(ibl::repair(faces[i]), fmt::format("{}, face {}", o.environment, kFaceNames[i]), warnings);
+    for (float& v : faces[i].pixels) v *= o.intensity;
   }
   return faces;
+}
+
+/// As --env-rotation and --env-intensity say.
+Environment adjusted(Environment environment, const BakeOptions& o) {
+  environment.rotation += o.rotation;
+  environment.intensity *= o.intensity;
+  return environment;
 }
 
 CubeFaces capture(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
   Diagnostics diagnostics;
   const Scene scene = load(o.scene, &diagnostics);
   warnings.insert(warnings.end(), diagnostics.warnings().begin(), diagnostics.warnings().end());
-  Environment environment = make_environment(o.environment.empty() ? "studio" : o.environment);
-  environment.rotation += o.rotation;
-  environment.intensity *= o.intensity;
+  const Environment environment = adjusted(make_environment(o.environment.empty() ? "studio" : o.environment), o);
   path::Settings settings;
   settings.samples = o.spp;
   path::Callbacks callbacks;
@@ -312,21 +304,20 @@ Light load_light(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
     light.source = ibl::make_source(*light.faces);
     return light;
   }
-  if (!is_built_in(o.environment) && is_cubemap_file(o.environment)) {
-    light.faces = load_cube(o, warnings);
-    for (Image& face : *light.faces) {
-      for (float& v : face.pixels) v *= o.intensity;
-    }
+  const bool is_built_in = is_built_in_environment(o.environment);
+  EnvironmentFile file;
+  if (!is_built_in) file = read_environment_file(o.environment, o.axes);
+  if (!file.cube.empty()) {
+    light.faces = make_faces(std::move(file.cube), o, warnings);
     light.source = ibl::make_source(*light.faces);
     light.source.rotation += static_cast<double>(o.rotation);
     if (o.rotation != 0.0f) light.faces.reset();
     return light;
   }
   if (o.axes) throw UsageError("--axes: " + o.environment + " is no cube map");
-  Environment environment =
-      is_built_in(o.environment) ? make_environment(o.environment) : load_panorama(o.environment, warnings);
-  environment.rotation += o.rotation;
-  environment.intensity *= o.intensity;
+  const Environment environment = adjusted(
+      is_built_in ? make_environment(o.environment) : make_panorama(std::move(file.panorama), o.environment, warnings),
+      o);
   light.source = ibl::make_source(environment);
   light.is_panorama = environment.map != nullptr && environment.rotation == 0.0f && environment.suns.empty();
   return light;
@@ -429,7 +420,7 @@ void run_bake(BakeOptions& o) {
   o.bake.specular.fis_size = o.bake.size;
   const std::string& from = o.scene.empty() ? o.environment : o.scene;
   BakeResult result;
-  result.name = !has_light(o) ? "tables" : is_built_in(from) ? from : fs::path(from).filename().string();
+  result.name = !has_light(o) ? "tables" : is_built_in_environment(from) ? from : fs::path(from).filename().string();
   result.settings = o.bake;
   result.format = o.format;
   result.profile = o.profile;

@@ -29,11 +29,7 @@ EncodingLoss write_cube(const fs::path& folder, const std::string& stem, const C
                         const BakeFormat& format) {
   EncodingLoss loss;
   if (format.kind == BakeFormat::Kind::texture) {
-    const TextureContainer container = format.texture.container;
-    const char* extension = container == TextureContainer::ktx2   ? ".ktx2"
-                            : container == TextureContainer::ktx1 ? ".ktx"
-                                                                  : ".dds";
-    return write_texture(folder / (stem + extension), cube, format.texture);
+    return write_texture(folder / (stem + container_extension(format.texture.container)), cube, format.texture);
   }
   if (format.kind == BakeFormat::Kind::faces) {
     write_cube_faces(folder / (stem + format.extension), file_from_world(cube, kPictureAxes));
@@ -53,20 +49,14 @@ EncodingLoss write_cube(const fs::path& folder, const std::string& stem, const C
   return loss;
 }
 
-Cubemap one_level(const CubeFaces& faces) {
-  Cubemap cube;
-  cube.levels.push_back(faces);
-  return cube;
-}
-
 Json vector_json(dvec3 v) { return {v.x, v.y, v.z}; }
 
 Json sun_json(const ibl::Sun& sun) {
-  const double luminance = 0.2126 * sun.illuminance.x + 0.7152 * sun.illuminance.y + 0.0722 * sun.illuminance.z;
+  const double illuminance = luminance(sun.illuminance);
   return {{"direction", vector_json(sun.direction)},
           {"angular_diameter_deg", 2.0 * sun.angular_radius * 180.0 / static_cast<double>(kPi)},
-          {"illuminance", luminance},
-          {"color", vector_json(sun.illuminance / luminance)}};
+          {"illuminance", illuminance},
+          {"color", vector_json(sun.illuminance / illuminance)}};
 }
 
 std::string suns_json(const ibl::SunExtraction& extraction) {
@@ -127,7 +117,7 @@ EncodingLoss write_plain(const fs::path& folder, const BakeResult& result) {
   if (result.bake) {
     loss += write_cube(folder, "specular", result.bake->specular, result.format);
     if (!result.bake->sheen.empty()) loss += write_cube(folder, "sheen", result.bake->sheen, result.format);
-    loss += write_cube(folder, "irradiance", one_level(result.bake->irradiance), result.format);
+    loss += write_cube(folder, "irradiance", cube_of_one_level(result.bake->irradiance), result.format);
     write_harmonics(folder, result);
   }
   if (result.tables) write_tables(folder, *result.tables);

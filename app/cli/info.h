@@ -33,9 +33,6 @@ struct Luminance {
 };
 Luminance measure(const Image& image);
 
-/// The first bytes of a file; none of what is no file.
-std::vector<std::byte> head_of(const std::filesystem::path& path, std::size_t count);
-
 /// Name and value in two columns, one line each.
 class Table {
  public:

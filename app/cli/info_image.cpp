@@ -2,11 +2,11 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
+#include "base/file.h"
 #include "cli/info.h"
 #include "cli/values.h"
 #include "image/cube_layout.h"
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-ImageFormat format_of(const fs::path& path) { return sniff_image_format(head_of(path, 16)); }
+ImageFormat format_of(const fs::path& path) { return sniff_image_format(read_head(path, 16)); }
 
 /// "albedo" of "albedo.R"; channels without a dot are the picture itself.
 std::set<std::string> layer_names(const std::vector<std::string>& channels) {
@@ -46,16 +46,6 @@ std::optional<CubeLayout> cube_layout_of(const Image& image) {
 }
 
 }  // namespace
-
-std::vector<std::byte> head_of(const fs::path& path, std::size_t count) {
-  std::vector<std::byte> head(count);
-  std::error_code code;
-  if (!fs::is_regular_file(path, code)) return {};
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(count));
-  head.resize(static_cast<std::size_t>(stream.gcount()));
-  return head;
-}
 
 Luminance measure(const Image& image) {
   Luminance result;

@@ -70,7 +70,7 @@ void describe_levels(const TextureInfo& info, const std::vector<std::vector<Imag
 
 }  // namespace
 
-bool is_texture_file(const fs::path& path) { return sniff_texture(head_of(path, 16)).has_value(); }
+bool is_texture_file(const fs::path& path) { return sniff_texture(read_head(path, 16)).has_value(); }
 
 Report texture_report(const fs::path& path) {
   const std::vector<std::byte> bytes = read_file(path);

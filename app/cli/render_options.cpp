@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "cli/option.h"
 #include "cli/output.h"
 #include "cli/values.h"
 #include "io/demo.h"
@@ -16,30 +17,6 @@ namespace candela::cli {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// An option with one value. `parse` turns its text into `into`; what it throws names the option.
-template <class T, class Parse>
-CLI::Option* add_value(CLI::App* verb, const std::string& name, const std::string& type, T& into, Parse parse,
-                       const std::string& help) {
-  const auto store = [name, &into, parse](const std::string& text) {
-    try {
-      into = parse(text);
-    } catch (const UsageError& error) {
-      throw UsageError(name + ": " + error.what());
-    } catch (const Error& error) {
-      throw UsageError(name + ": " + error.what());
-    }
-  };
-  return verb->add_option_function<std::string>(name, store, help)->type_name(type);
-}
-
-auto number_within(float low, float high) {
-  return [low, high](const std::string& text) { return parse_number(text, low, high); };
-}
-
-auto count_within(int low, int high) {
-  return [low, high](const std::string& text) { return parse_count(text, low, high); };
-}
 
 constexpr float kHuge = 1e30f;  // far from where squares overflow a float
 constexpr int kMostSamples = 1 << 20;

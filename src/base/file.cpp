@@ -36,6 +36,16 @@ std::vector<std::byte> read_file(const fs::path& path, std::uint64_t max_bytes) 
   return bytes;
 }
 
+std::vector<std::byte> read_head(const fs::path& path, std::size_t count) {
+  std::vector<std::byte> bytes(count);
+  std::error_code code;
+  if (!fs::is_regular_file(path, code)) return {};
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
 bool is_device(const fs::path& path) {
   std::error_code code;
   const fs::file_status status = fs::status(path, code);

@@ -12,6 +12,9 @@ namespace candela {
 /// Whole content of a file. Throws Error for a file that is missing, not regular, unreadable or above `max_bytes`.
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t max_bytes = std::uint64_t{1} << 32);
 
+/// The first `count` bytes, fewer of a shorter file; none of what cannot be read or is no regular file.
+std::vector<std::byte> read_head(const std::filesystem::path& path, std::size_t count);
+
 /// Whether `path` exists and is neither a file nor a folder: a device or a pipe (links are followed).
 bool is_device(const std::filesystem::path& path);
 

@@ -162,6 +162,17 @@ std::vector<dvec3> cube_directions(int size) {
   return directions;
 }
 
+CubeFaces cube_from_values(const std::vector<dvec3>& values, int size) {
+  CubeFaces faces = make_cube_faces(size);
+  std::size_t i = 0;
+  for (Image& face : faces) {
+    for (int y = 0; y < size; ++y) {
+      for (int x = 0; x < size; ++x) face.set_rgb(x, y, vec3(values[i++]));
+    }
+  }
+  return faces;
+}
+
 CubeFaces cube_from_source(const Source& source, int size) {
   const Cumulative cumulative(source);
   const Lattice lattice = lattice_of(source);

@@ -12,6 +12,8 @@ namespace candela::ibl {
 dvec3 cube_texel_direction(int face, int x, int y, int size);
 /// Those of all texels: by face, row, column.
 std::vector<dvec3> cube_directions(int size);
+/// Faces of values in that order.
+CubeFaces cube_from_values(const std::vector<dvec3>& values, int size);
 
 /// Area-exact: each texel gets the mean radiance over its solid angle, by integrals along its edges (Jones 1999,
 /// "First- and Second-Order Conservative Remapping Schemes"), so that the energy is the panorama's up to rounding and a

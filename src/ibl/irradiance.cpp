@@ -31,15 +31,7 @@ std::vector<dvec3> irradiance(const Source& source, const std::vector<dvec3>& di
 }
 
 CubeFaces irradiance_cube(const Source& source, int size, IrradianceMethod method, int samples, std::uint32_t seed) {
-  const std::vector<dvec3> values = irradiance(source, cube_directions(size), method, samples, seed);
-  CubeFaces faces = make_cube_faces(size);
-  std::size_t i = 0;
-  for (Image& face : faces) {
-    for (int y = 0; y < size; ++y) {
-      for (int x = 0; x < size; ++x) face.set_rgb(x, y, vec3(values[i++]));
-    }
-  }
-  return faces;
+  return cube_from_values(irradiance(source, cube_directions(size), method, samples, seed), size);
 }
 
 }  // namespace candela::ibl

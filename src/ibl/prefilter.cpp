@@ -82,16 +82,7 @@ std::vector<dvec3> Prefilter::at(const Kernel& kernel, const std::vector<dvec3>&
 }
 
 CubeFaces Prefilter::faces(const Kernel& kernel, int size) const {
-  const std::vector<dvec3> directions = cube_directions(size);
-  const std::vector<dvec3> values = at(kernel, directions);
-  CubeFaces faces = make_cube_faces(size);
-  std::size_t i = 0;
-  for (Image& face : faces) {
-    for (int y = 0; y < size; ++y) {
-      for (int x = 0; x < size; ++x) face.set_rgb(x, y, vec3(values[i++]));
-    }
-  }
-  return faces;
+  return cube_from_values(at(kernel, cube_directions(size)), size);
 }
 
 std::vector<double> level_roughness(Mapping mapping, int levels) {

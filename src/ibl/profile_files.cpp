@@ -31,12 +31,6 @@ std::vector<dvec3> turned_powers(const CubeAxes& axes, const std::vector<dvec3>&
   return result;
 }
 
-Cubemap first_level(const Cubemap& cube) {
-  Cubemap result;
-  result.levels.push_back(cube.levels.at(0));
-  return result;
-}
-
 class Writer {
  public:
   Writer(const Profile& profile, fs::path folder, const BakedLight& light)
@@ -52,10 +46,7 @@ class Writer {
 
  private:
   void write_cube(const std::string& name, const Cubemap& world, const TextureOptions& options) {
-    const char* extension = options.container == TextureContainer::ktx2   ? ".ktx2"
-                            : options.container == TextureContainer::ktx1 ? ".ktx"
-                                                                          : ".dds";
-    const fs::path path = folder_ / (name + extension);
+    const fs::path path = folder_ / (name + container_extension(options.container));
     files_.loss += write_texture(path, orient(profile_, world), options);
     files_.paths.push_back(path);
   }
@@ -69,7 +60,7 @@ class Writer {
       files_.paths.push_back(folder_ / "environment.exr");
       return;
     }
-    const Cubemap cube = profile_.is_filtered ? all : first_level(all);
+    const Cubemap cube = profile_.is_filtered ? all : cube_of_one_level(all.levels.at(0));
     if (profile_.container == ProfileContainer::hdr_faces) {
       const auto faces = write_cube_faces(folder_ / "specular.hdr", orient(profile_, cube));
       files_.paths.insert(files_.paths.end(), faces.begin(), faces.end());
@@ -84,8 +75,7 @@ class Writer {
 
   void write_diffuse() {
     CANDELA_CHECK(profile_.diffuse_map == DiffuseUnit::irradiance_over_pi);
-    Cubemap cube;
-    cube.levels.push_back(*light_.diffuse);
+    Cubemap cube = cube_of_one_level(*light_.diffuse);
     for (Image& face : cube.levels[0])
       for (float& v : face.pixels) v *= std::numbers::inv_pi_v<float>;
     write_cube("diffuse", cube, texture_options(profile_));

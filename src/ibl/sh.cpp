@@ -23,7 +23,7 @@ double least_luminance(const Sh& sh, const std::vector<std::vector<double>>& bas
   for (const std::vector<double>& basis : bases) {
     dvec3 v(0.0);
     for (std::size_t i = 0; i < basis.size(); ++i) v += sh.coefficients[i] * basis[i];
-    least = std::min(least, 0.2126 * v.x + 0.7152 * v.y + 0.0722 * v.z);
+    least = std::min(least, luminance(v));
   }
   return least;
 }

@@ -9,8 +9,6 @@ namespace {
 
 constexpr double kPiD = std::numbers::pi;
 
-double brightness(dvec3 v) { return 0.2126 * v.x + 0.7152 * v.y + 0.0722 * v.z; }
-
 /// The map's texels as a graph that wraps in azimuth.
 class Patches {
  public:
@@ -26,7 +24,7 @@ class Patches {
     }
     return best;
   }
-  double value(int i) const { return brightness(dvec3(map_.rgb(i % map_.width, i / map_.width))); }
+  double value(int i) const { return luminance(dvec3(map_.rgb(i % map_.width, i / map_.width))); }
 
   /// All free texels of at least `limit` that hang together with `seed`, and the mean radiance of the ring around them.
   std::vector<int> grow(int seed, double limit, dvec3& ring) {
@@ -77,7 +75,7 @@ Sun measure(const Source& source, const std::vector<int>& patch, dvec3 ring) {
   for (const int i : patch) {
     const dvec3 beyond = glm::max(dvec3(source.map.rgb(i % width, i / width)) - ring, dvec3(0.0));
     flux.push_back(beyond * texel_solid_angle(i / width, width, height));
-    centre += texel_direction(source, i % width, i / width) * brightness(flux.back());
+    centre += texel_direction(source, i % width, i / width) * luminance(flux.back());
   }
   Sun sun;
   sun.direction = glm::normalize(centre);
@@ -87,8 +85,8 @@ Sun measure(const Source& source, const std::vector<int>& patch, dvec3 ring) {
     const dvec3 d = texel_direction(source, x, y);
     const dvec3 chord = d - sun.direction;
     const double step = kPiD / height, across = step * std::sin(kPiD * (y + 0.5) / height);
-    spread += brightness(flux[k]) * (glm::dot(chord, chord) + (step * step + across * across) / 12.0);
-    weight += brightness(flux[k]);
+    spread += luminance(flux[k]) * (glm::dot(chord, chord) + (step * step + across * across) / 12.0);
+    weight += luminance(flux[k]);
     sun.illuminance += flux[k] * std::max(glm::dot(d, sun.direction), 0.0);
   }
   // The mean squared distance from the middle of a disc is half its radius squared.
@@ -109,7 +107,7 @@ SunExtraction extract_suns(const Source& source, const SunSettings& settings) {
   constexpr int kMostPatches = 256;      // that are looked at before giving up
   SunExtraction result{{}, source};
   result.rest.suns.clear();
-  const double total = brightness(total_flux(source));
+  const double total = luminance(total_flux(source));
   const double mean = total / (4.0 * kPiD);
   for (const SunDisc& disc : source.suns) result.suns.push_back(sun_of(disc));
 
@@ -121,7 +119,7 @@ SunExtraction extract_suns(const Source& source, const SunSettings& settings) {
     const double limit = std::max(settings.contrast * mean, kShareOfPeak * patches.value(seed));
     const std::vector<int> patch = patches.grow(seed, limit, ring);
     const Sun sun = measure(source, patch, ring);
-    if (brightness(sun.illuminance) < settings.least_share * total || sun.angular_radius > settings.widest) continue;
+    if (luminance(sun.illuminance) < settings.least_share * total || sun.angular_radius > settings.widest) continue;
     result.suns.push_back(sun);
     for (const int i : patch) {
       const int x = i % source.map.width, y = i / source.map.width;
@@ -129,7 +127,7 @@ SunExtraction extract_suns(const Source& source, const SunSettings& settings) {
     }
   }
   std::stable_sort(result.suns.begin(), result.suns.end(),
-                   [](const Sun& a, const Sun& b) { return brightness(a.illuminance) > brightness(b.illuminance); });
+                   [](const Sun& a, const Sun& b) { return luminance(a.illuminance) > luminance(b.illuminance); });
   return result;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -23,16 +22,6 @@ constexpr std::array<FaceNames, 3> kNameSets{{kFaceNames,
                                               {"posx", "negx", "posy", "negy", "posz", "negz"},
                                               {"right", "left", "top", "bottom", "front", "back"}}};
 
-std::vector<std::byte> first_bytes(const fs::path& path, std::size_t count) {
-  std::vector<std::byte> bytes(count);
-  std::error_code code;
-  if (!fs::is_regular_file(path, code)) return {};
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(count));
-  bytes.resize(static_cast<std::size_t>(stream.gcount()));
-  return bytes;
-}
-
 // ----- six files
 
 /// "sky_px" and "px" end in the name "px"; "apx" does not.
@@ -48,7 +37,7 @@ std::vector<fs::path> pictures_in(const fs::path& folder) {
   std::vector<fs::path> pictures;
   std::error_code code;
   for (const auto& entry : fs::directory_iterator(folder, code))
-    if (sniff_image_format(first_bytes(entry.path(), 16)) != ImageFormat::unknown) pictures.push_back(entry.path());
+    if (sniff_image_format(read_head(entry.path(), 16)) != ImageFormat::unknown) pictures.push_back(entry.path());
   std::sort(pictures.begin(), pictures.end());
   return pictures;
 }
@@ -124,7 +113,7 @@ CubeFaces read_six(const SixPaths& paths) {
 /// Empty where it cannot be known.
 std::optional<ivec2> picture_size(const fs::path& path) {
   try {
-    const ImageFormat format = sniff_image_format(first_bytes(path, 16));
+    const ImageFormat format = sniff_image_format(read_head(path, 16));
     if (format == ImageFormat::unknown) return std::nullopt;
     if (format == ImageFormat::png || format == ImageFormat::jpeg)
       return read_image_size(read_file(path), path.string());
@@ -167,15 +156,11 @@ Cubemap read_cube_texture(const fs::path& path, const std::optional<CubeAxes>& a
 }
 
 Cubemap cube_of_picture(const Image& image, CubeLayout layout, const std::optional<CubeAxes>& axes) {
-  Cubemap cube;
-  cube.levels.push_back(world_from_file(faces_from_layout(image, layout), axes.value_or(kPictureAxes)));
-  return cube;
+  return cube_of_one_level(world_from_file(faces_from_layout(image, layout), axes.value_or(kPictureAxes)));
 }
 
 Cubemap read_six_files(const fs::path& path, const std::optional<CubeAxes>& axes) {
-  Cubemap cube;
-  cube.levels.push_back(world_from_file(read_six(find_six(path)), axes.value_or(kPictureAxes)));
-  return cube;
+  return cube_of_one_level(world_from_file(read_six(find_six(path)), axes.value_or(kPictureAxes)));
 }
 
 // ----- RGBM
@@ -217,7 +202,7 @@ CubeSource find_cube_source(const fs::path& path) {
   }
   if (!fs::exists(path, code) && is_pattern(path))
     return six_by_pattern(path.string()) ? CubeSource::six_files : CubeSource::none;
-  if (sniff_texture(first_bytes(path, 16))) return is_cube_texture(path) ? CubeSource::texture : CubeSource::none;
+  if (sniff_texture(read_head(path, 16))) return is_cube_texture(path) ? CubeSource::texture : CubeSource::none;
   const std::optional<ivec2> size = picture_size(path);
   return size && detect_layout(size->x, size->y) ? CubeSource::layout : CubeSource::none;
 }
@@ -227,7 +212,7 @@ EnvironmentFile read_environment_file(const fs::path& path, std::optional<CubeAx
   std::error_code code;
   if (fs::is_directory(path, code) || (!fs::exists(path, code) && is_pattern(path))) {
     file.cube = read_six_files(path, axes);
-  } else if (sniff_texture(first_bytes(path, 16))) {
+  } else if (sniff_texture(read_head(path, 16))) {
     file.cube = read_cube_texture(path, axes);
   } else {
     file.panorama = read_image(path);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "image/image.h"
@@ -19,6 +20,12 @@ struct Cubemap {
   bool empty() const { return levels.empty(); }
   int size(std::size_t level = 0) const { return levels[level][0].width; }
 };
+
+inline Cubemap cube_of_one_level(CubeFaces faces) {
+  Cubemap cube;
+  cube.levels.push_back(std::move(faces));
+  return cube;
+}
 
 /// Black faces of `size` by `size` texels.
 inline CubeFaces make_cube_faces(int size) {

@@ -74,9 +74,7 @@ StoredTexture parse_ktx1(std::span<const std::byte> bytes, const std::string& wh
 std::vector<std::byte> pack_ktx1(const EncodedTexture& texture, bool has_filament_type) {
   const TexelLayout& layout = texel_layout(texture.format);
   ByteWriter out, key_values;
-  std::map<std::string, std::string> pairs{{"KTXorientation", "S=r,T=d"}, {"KTXwriter", "Candela"}};
-  for (const auto& [key, value] : texture.key_values) pairs[key] = value;
-  pack_key_values(key_values, pairs);
+  pack_key_values(key_values, "S=r,T=d", texture.key_values);
 
   out.text(kIdentifier);
   out.u32(kEndianness);

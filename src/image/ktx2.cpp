@@ -199,9 +199,7 @@ std::vector<std::byte> pack_ktx2(const EncodedTexture& texture, bool zstd, int z
 
   ByteWriter descriptor, key_values;
   pack_descriptor(descriptor, layout);
-  std::map<std::string, std::string> pairs{{"KTXorientation", "rd"}, {"KTXwriter", "Candela"}};
-  for (const auto& [key, value] : texture.key_values) pairs[key] = value;
-  pack_key_values(key_values, pairs);
+  pack_key_values(key_values, "rd", texture.key_values);
   const std::size_t descriptor_at = kHeaderBytes + kLevelIndexBytes * texture.levels.size();
   out.u32(static_cast<std::uint32_t>(descriptor_at));
   out.u32(static_cast<std::uint32_t>(descriptor.bytes.size()));

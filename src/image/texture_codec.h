@@ -121,6 +121,8 @@ std::uint64_t face_bytes(const TexelLayout& layout, int width, int height, std::
 
 /// Adds the entries of a KTX key/value block; both versions store them alike.
 void parse_key_values(std::span<const std::byte> block, TextureInfo& info, const std::string& where);
-void pack_key_values(ByteWriter& out, const std::map<std::string, std::string>& key_values);
+/// KTXwriter and KTXorientation are added where `key_values` does not have them.
+void pack_key_values(ByteWriter& out, const std::string& orientation,
+                     const std::map<std::string, std::string>& key_values);
 
 }  // namespace candela::codec

@@ -215,8 +215,12 @@ void parse_key_values(std::span<const std::byte> block, TextureInfo& info, const
   }
 }
 
-void pack_key_values(ByteWriter& out, const std::map<std::string, std::string>& key_values) {
-  for (const auto& [key, value] : key_values) {
+void pack_key_values(ByteWriter& out, const std::string& orientation,
+                     const std::map<std::string, std::string>& key_values) {
+  std::map<std::string, std::string> pairs = key_values;
+  pairs.try_emplace("KTXorientation", orientation);
+  pairs.try_emplace("KTXwriter", "Candela");
+  for (const auto& [key, value] : pairs) {
     out.u32(static_cast<std::uint32_t>(key.size() + value.size() + 2));
     out.text(key);
     out.zeros(1);
@@ -238,6 +242,18 @@ const char* container_name(TextureContainer container) {
       break;
   }
   return "DDS";
+}
+
+const char* container_extension(TextureContainer container) {
+  switch (container) {
+    case TextureContainer::ktx2:
+      return ".ktx2";
+    case TextureContainer::ktx1:
+      return ".ktx";
+    case TextureContainer::dds:
+      return ".dds";
+  }
+  return "";
 }
 
 std::optional<TextureContainer> sniff_texture(std::span<const std::byte> bytes) {

@@ -20,6 +20,8 @@ enum class TextureContainer { ktx2, ktx1, dds };
 
 /// "KTX 2", "KTX 1" or "DDS".
 const char* container_name(TextureContainer container);
+/// ".ktx2", ".ktx" or ".dds".
+const char* container_extension(TextureContainer container);
 /// From the first bytes, never from a name.
 std::optional<TextureContainer> sniff_texture(std::span<const std::byte> bytes);
 

@@ -30,6 +30,7 @@ inline constexpr float degrees(float rad) { return rad * (180.0f / kPi); }
 
 /// Relative luminance of linear Rec.709 (ITU-R BT.709-6).
 inline float luminance(vec3 rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
+inline double luminance(dvec3 rgb) { return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z; }
 inline float max_component(vec3 v) { return glm::max(v.x, glm::max(v.y, v.z)); }
 inline bool is_finite(float v) { return std::isfinite(v); }
 inline bool is_finite(vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }

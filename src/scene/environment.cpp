@@ -27,11 +27,7 @@ float parse_sun_elevation(const std::string& name) {
 Environment load_environment(const std::filesystem::path& path) {
   const Image file = read_image(path);
   const std::string where = path.string();
-  // A few pixels more or less come from resizing; anything else is no full panorama.
-  if (std::abs(static_cast<float>(file.width) / static_cast<float>(file.height) - 2.0f) > 0.05f)
-    throw Error("an equirectangular environment is twice as wide as high, this image is " + std::to_string(file.width) +
-                    "x" + std::to_string(file.height),
-                where);
+  check_panorama(file, where);
 
   auto map = std::make_shared<Image>(file.width, file.height, 3);
   for (int y = 0; y < file.height; ++y) {
@@ -82,6 +78,18 @@ float map_solid_angle(int row, int width, int height) {
 }
 
 }  // namespace detail
+
+bool is_built_in_environment(const std::string& name) {
+  return name == "studio" || name == "sky" || name.starts_with("sky:") || name == "furnace" || name == "none";
+}
+
+void check_panorama(const Image& image, const std::string& where) {
+  // A few pixels more or less come from resizing; anything else is no full panorama.
+  if (std::abs(static_cast<float>(image.width) / static_cast<float>(image.height) - 2.0f) > 0.05f)
+    throw Error("an equirectangular environment is twice as wide as high, this image is " +
+                    std::to_string(image.width) + "x" + std::to_string(image.height),
+                where);
+}
 
 Environment make_environment(const std::string& name_or_path) {
   if (name_or_path == "none") return {};

@@ -17,6 +17,12 @@ namespace candela {
 /// the default camera.
 Environment make_environment(const std::string& name_or_path);
 
+/// Whether a name means one of the built-in environments, and no file.
+bool is_built_in_environment(const std::string& name);
+
+/// Throws Error(…, where) unless `image` is about twice as wide as high, as an equirectangular environment is.
+void check_panorama(const Image& image, const std::string& where);
+
 /// Radiance from direction `d` (unit, world space), suns included when `d` is inside their disc. The renderers'
 /// reference.
 vec3 environment_radiance(const Environment& environment, vec3 d);

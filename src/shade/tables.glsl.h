@@ -206,8 +206,9 @@ SHADE_FN vec3 table_sheen_over(float mu, float roughness, float sheen_roughness,
 
 // ----- anisotropic GGX
 
-SHADE_FN float table_anisotropic_at(int at, TableCell azimuth, TableCell mu) {
-  return table_bilinear(at, mu, azimuth, kTableWidths);
+SHADE_FN vec2 table_anisotropic_at(int at, TableCell azimuth, TableCell mu) {
+  return vec2(table_bilinear(at, mu, azimuth, kTableWidths),
+              table_bilinear(at + kTableAnisotropicSlice, mu, azimuth, kTableWidths));
 }
 
 /// (1 - albedo, B) at a direction with this cosine, along which the lobe has the roughness `along`.
@@ -220,18 +221,10 @@ SHADE_FN vec2 table_anisotropic(float mu, float along, float roughness_x, float 
   TableCell c = table_cell((along - least) / max(most - least, 1e-6f), kTableAzimuths);
   int cell = kTableAzimuths * kTableWidths;
   int row = kTableWidths * cell;
-  vec2 r = vec2(0.0f);
-  for (int k = 0; k < 2; ++k) {
-    int at = kTableAnisotropic + k * kTableAnisotropicSlice + x.i * row + y.i * cell;
-    float value = mix(mix(table_anisotropic_at(at, c, m), table_anisotropic_at(at + cell, c, m), y.t),
-                      mix(table_anisotropic_at(at + row, c, m), table_anisotropic_at(at + row + cell, c, m), y.t), x.t);
-    if (k == 0) {
-      r.x = value;
-    } else {
-      r.y = value;
-    }
-  }
-  return r;
+  int at = kTableAnisotropic + x.i * row + y.i * cell;
+  vec2 lower = mix(table_anisotropic_at(at, c, m), table_anisotropic_at(at + cell, c, m), y.t);
+  vec2 upper = mix(table_anisotropic_at(at + row, c, m), table_anisotropic_at(at + row + cell, c, m), y.t);
+  return mix(lower, upper, x.t);
 }
 
 SHADE_FN vec2 table_anisotropic_mean(float roughness_x, float roughness_y) {

@@ -129,7 +129,7 @@ TEST(law_ibl_sh, more_orders_err_less_and_a_window_leaves_nothing_negative) {
     double low = 1e9;
     for (const dvec3& d : directions) {
       const dvec3 v = ibl::sh_evaluate(sh, d);
-      low = std::min(low, 0.2126 * v.x + 0.7152 * v.y + 0.0722 * v.z);
+      low = std::min(low, luminance(v));
     }
     return low;
   };

@@ -9,6 +9,7 @@
 #include "ibl/tables.h"
 #include "ibl/verify.h"
 #include "laws/ibl_scenes.h"
+#include "laws/split_sums.h"
 #include "shade/fresnel.glsl.h"
 #include "shade/microfacet.glsl.h"
 #include "shade/surface_constants.glsl.h"
@@ -59,20 +60,7 @@ TEST(law_ibl_tables, equal_quadrature) {
 }
 
 TEST(law_ibl_tables, have_the_published_split_sums) {
-  struct Entry {
-    float roughness, mu, a, b;
-  };
-  constexpr std::array<Entry, 10> kEntries = {{{0.25f, 0.1f, 0.50514f, 0.39162f},
-                                               {0.25f, 0.5f, 0.95572f, 0.03264f},
-                                               {0.25f, 1.0f, 0.99570f, 0.0f},
-                                               {0.5f, 0.1f, 0.75193f, 0.13969f},
-                                               {0.5f, 0.5f, 0.83492f, 0.02235f},
-                                               {0.75f, 0.1f, 0.79577f, 0.05258f},
-                                               {0.75f, 1.0f, 0.62684f, 0.00005f},
-                                               {1.0f, 0.1f, 0.73634f, 0.02387f},
-                                               {1.0f, 0.5f, 0.44771f, 0.00299f},
-                                               {1.0f, 1.0f, 0.30682f, 0.00003f}}};
-  for (const Entry& e : kEntries) {
+  for (const laws::SplitSum& e : laws::kSplitSums) {
     const vec2 ab = ibl::split_sum(e.mu, e.roughness);
     EXPECT_NEAR(ab.x, e.a, 3e-4f) << e.roughness << ' ' << e.mu;
     EXPECT_NEAR(ab.y, e.b, 3e-4f) << e.roughness << ' ' << e.mu;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "laws/split_sums.h"
 #include "shade/surface.glsl.h"
 #include "study/laws.h"
 #include "study/quadrature.h"
@@ -88,19 +89,7 @@ TEST(law_tables, ggx_has_the_published_albedos) {
 }
 
 TEST(law_tables, ggx_has_the_published_split_sums) {
-  struct Entry {
-    float roughness, mu, a, b;
-  };
-  const std::array<Entry, 9> entries = {{{0.25f, 0.1f, 0.50514f, 0.39162f},
-                                         {0.25f, 0.5f, 0.95572f, 0.03264f},
-                                         {0.25f, 1.0f, 0.99570f, 0.0f},
-                                         {0.5f, 0.1f, 0.75193f, 0.13969f},
-                                         {0.5f, 0.5f, 0.83492f, 0.02235f},
-                                         {0.75f, 0.1f, 0.79577f, 0.05258f},
-                                         {0.75f, 1.0f, 0.62684f, 0.00005f},
-                                         {1.0f, 0.5f, 0.44771f, 0.00299f},
-                                         {1.0f, 1.0f, 0.30682f, 0.00003f}}};
-  for (const Entry& e : entries) {
+  for (const laws::SplitSum& e : laws::kSplitSums) {
     const vec2 ab = shade::table_ggx(e.mu, shade::table_ggx_roughness(e.roughness));
     EXPECT_NEAR(ab.x, e.a, 3e-3f) << e.roughness << ' ' << e.mu;
     EXPECT_NEAR(ab.y, e.b, 3e-3f) << e.roughness << ' ' << e.mu;
