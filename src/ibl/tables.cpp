@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "base/parallel.h"
 #include "shade/albedo.h"
@@ -32,6 +33,32 @@ SplitSums split_sums(float mu, float roughness) {
   return sums;
 }
 
+/// A point of a product of Gauss's rules over half the hemisphere, which counts twice.
+struct LightPoint {
+  vec3 wi;
+  double weight;
+  double cosine;
+  double x;  ///< cos θ = x²: denser at the horizon, where the sheen lobe is
+};
+
+std::vector<LightPoint> half_hemisphere() {
+  const shade::GaussRule rule = shade::gauss_rule(24);
+  std::vector<LightPoint> points;
+  points.reserve(rule.nodes.size() * rule.nodes.size());
+  for (std::size_t j = 0; j < rule.nodes.size(); ++j) {
+    const double x = rule.nodes[j];
+    const double cosine = x * x;
+    const double sine = std::sqrt(1.0 - cosine * cosine);
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+      const double azimuth = std::numbers::pi * rule.nodes[i];
+      const vec3 wi(static_cast<float>(sine * std::cos(azimuth)), static_cast<float>(sine * std::sin(azimuth)),
+                    static_cast<float>(cosine));
+      points.push_back({wi, rule.weights[j] * rule.weights[i], cosine, x});
+    }
+  }
+  return points;
+}
+
 }  // namespace
 
 vec2 split_sum(float mu, float roughness) {
@@ -41,22 +68,13 @@ vec2 split_sum(float mu, float roughness) {
 vec2 split_sum_k_ibl(float mu, float roughness) { return split_sums(mu, roughness).k_ibl; }
 
 float sheen_albedo(float mu, float roughness) {
-  static const shade::GaussRule rule = shade::gauss_rule(24);
+  static const std::vector<LightPoint> lights = half_hemisphere();
   const vec3 wo = view_direction(mu);
   const float alpha = shade::sheen_alpha(roughness);
   double sum = 0.0;
-  for (std::size_t j = 0; j < rule.nodes.size(); ++j) {
-    // cos θ = x²: denser at the horizon, where the lobe is. Half the circle counts twice.
-    const double x = rule.nodes[j];
-    const double cosine = x * x;
-    const double sine = std::sqrt(1.0 - cosine * cosine);
-    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
-      const double azimuth = std::numbers::pi * rule.nodes[i];
-      const vec3 wi(static_cast<float>(sine * std::cos(azimuth)), static_cast<float>(sine * std::sin(azimuth)),
-                    static_cast<float>(cosine));
-      const float lobe = shade::charlie_d(glm::normalize(wo + wi), alpha) * shade::neubelt_v(wo, wi);
-      sum += rule.weights[j] * rule.weights[i] * static_cast<double>(lobe) * cosine * 2.0 * x;
-    }
+  for (const auto& [wi, weight, cosine, x] : lights) {
+    const float lobe = shade::charlie_d(glm::normalize(wo + wi), alpha) * shade::neubelt_v(wo, wi);
+    sum += weight * static_cast<double>(lobe) * cosine * 2.0 * x;
   }
   return static_cast<float>(sum * 2.0 * std::numbers::pi);
 }
