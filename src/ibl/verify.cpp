@@ -14,21 +14,28 @@ namespace {
 
 constexpr double kPiD = std::numbers::pi;
 
-/// Columns of Gauss points, planar so that the inner loop is plain arithmetic.
+/// Texels of a row taken together: eight vectors of four, and a stretch that lies below the horizon is skipped whole.
+constexpr std::size_t kRun = 32;
+
+/// Columns of Gauss points, planar so that the inner loop is plain arithmetic, filled up to whole runs.
 struct Columns {
   std::vector<double> cosine, sine;  ///< of the azimuth
+  std::size_t stride;                ///< columns of one Gauss point
 
-  Columns(const Source& source, int side) {
+  Columns(const Source& source, int side) : stride(rounded_up(source.map.width)) {
     const double offset = side == 2 ? 0.5 / std::sqrt(3.0) : 0.0;
     for (int k = 0; k < side; ++k) {
-      for (int x = 0; x < source.map.width; ++x) {
+      for (std::size_t x = 0; x < stride; ++x) {
+        const int column = std::min(static_cast<int>(x), source.map.width - 1);
         const double place = 0.5 + (k == 0 ? -offset : offset);
-        const double azimuth = column_edge(source, x) + place * 2.0 * kPiD / source.map.width;
+        const double azimuth = column_edge(source, column) + place * 2.0 * kPiD / source.map.width;
         cosine.push_back(std::cos(azimuth));
         sine.push_back(std::sin(azimuth));
       }
     }
   }
+
+  static std::size_t rounded_up(int width) { return (static_cast<std::size_t>(width) + kRun - 1) / kRun * kRun; }
 };
 
 /// The map as three planes, rows at the Gauss points in polar angle with their share of the solid angle.
@@ -36,10 +43,15 @@ class BruteForce {
  public:
   BruteForce(const Source& source, const Kernel& kernel)
       : source_(source), kernel_(kernel), side_(side_for(source, kernel)), columns_(source, side_) {
-    const auto count = static_cast<std::size_t>(source.map.width) * static_cast<std::size_t>(source.map.height);
     for (std::size_t c = 0; c < 3; ++c) {
-      planes_[c].resize(count);
-      for (std::size_t i = 0; i < count; ++i) planes_[c][i] = static_cast<double>(source.map.pixels[3 * i + c]);
+      // What fills a row up is black.
+      planes_[c].resize(columns_.stride * static_cast<std::size_t>(source.map.height));
+      for (int y = 0; y < source.map.height; ++y) {
+        double* row = planes_[c].data() + columns_.stride * static_cast<std::size_t>(y);
+        for (int x = 0; x < source.map.width; ++x) {
+          row[x] = static_cast<double>(source.map.rgb(x, y)[static_cast<int>(c)]);
+        }
+      }
     }
     for (const SunDisc& sun : source.suns) {
       for (const Point& p : disc_points(sun)) points_.push_back(p);
@@ -52,9 +64,12 @@ class BruteForce {
     for (std::size_t i = 0; i < horizontal.size(); ++i) {
       horizontal[i] = d.x * columns_.cosine[i] + d.z * columns_.sine[i];
     }
-    std::vector<double> weights(horizontal.size());
+    std::vector<double> highest;  // horizontal part in each run
+    for (std::size_t i = 0; i < horizontal.size(); i += kRun) {
+      const auto run = horizontal.begin() + static_cast<std::ptrdiff_t>(i);
+      highest.push_back(*std::max_element(run, run + kRun));
+    }
     dvec3 sum(0.0);
-    const auto width = static_cast<std::size_t>(source_.map.width);
     for (int row = 0; row < source_.map.height; ++row) {
       dvec3 row_sum(0.0);
       for (int k = 0; k < side_; ++k) {
@@ -63,8 +78,7 @@ class BruteForce {
         const double polar = (row + 0.5) * step + (k == 0 ? -half : half);
         const double share = std::sin(polar) / (side_ == 2 ? 2.0 * std::sin((row + 0.5) * step) * std::cos(half)
                                                            : std::sin((row + 0.5) * step));
-        weigh(d.y * std::cos(polar), std::sin(polar), horizontal, weights);
-        row_sum += share / side_ * dot(weights, static_cast<std::size_t>(row) * width);
+        row_sum += share / side_ * row_at(d.y * std::cos(polar), std::sin(polar), horizontal, highest, row);
       }
       sum += row_sum * texel_solid_angle(row, source_.map.width, source_.map.height);
     }
@@ -81,38 +95,44 @@ class BruteForce {
     return kernel.width() > kWide * kPiD / source.map.height ? 1 : 2;
   }
 
-  void weigh(double y, double sine, const std::vector<double>& horizontal, std::vector<double>& weights) const {
+  /// Σ kernel × radiance over a row whose texels stand at cosines y + sine × horizontal to the direction.
+  dvec3 row_at(double y, double sine, const std::vector<double>& horizontal, const std::vector<double>& highest,
+               int row) const {
+    const std::size_t first = columns_.stride * static_cast<std::size_t>(row);
+    double sums[3][kLanes] = {};
+    for (std::size_t run = 0; run < highest.size(); ++run) {
+      if (y + sine * highest[run] <= 0.0) continue;
+      double weights[kRun];
+      weigh(y, sine, horizontal.data() + run * kRun, weights);
+      const std::size_t column = run * kRun % columns_.stride;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double* plane = planes_[c].data() + first + column;
+        for (std::size_t x = 0; x < kRun; x += kLanes) {
+          for (std::size_t i = 0; i < kLanes; ++i) sums[c][i] += weights[x + i] * plane[x + i];
+        }
+      }
+    }
+    dvec3 result(0.0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (const double lane : sums[c]) result[static_cast<int>(c)] += lane;
+    }
+    return result;
+  }
+
+  void weigh(double y, double sine, const double* horizontal, double (&weights)[kRun]) const {
     if (kernel_.lobe() == Lobe::charlie) {
-      for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = kernel_(1.0 - (y + sine * horizontal[i]));
+      for (std::size_t i = 0; i < kRun; ++i) weights[i] = kernel_(1.0 - (y + sine * horizontal[i]));
       return;
     }
     const double a2 = kernel_.alpha() * kernel_.alpha(), slope = kernel_.slope(), scale = kernel_.scale();
-    for (std::size_t i = 0; i < weights.size(); ++i) {
+    for (std::size_t i = 0; i < kRun; ++i) {
       const double c = y + sine * horizontal[i];
       const double width = a2 + slope * (1.0 - c);
       weights[i] = scale * std::max(c, 0.0) / (width * width);
     }
   }
 
-  /// Σ weights × radiance over a row, in eight interleaved sums.
-  dvec3 dot(const std::vector<double>& weights, std::size_t row) const {
-    constexpr std::size_t kLanes = 8;
-    const auto width = static_cast<std::size_t>(source_.map.width);
-    dvec3 result(0.0);
-    for (int c = 0; c < 3; ++c) {
-      const double* plane = planes_[static_cast<std::size_t>(c)].data() + row;
-      double lanes[kLanes] = {};
-      for (std::size_t first = 0; first < weights.size(); first += width) {
-        std::size_t x = 0;
-        for (; x + kLanes <= width; x += kLanes) {
-          for (std::size_t i = 0; i < kLanes; ++i) lanes[i] += weights[first + x + i] * plane[x + i];
-        }
-        for (; x < width; ++x) lanes[0] += weights[first + x] * plane[x];
-      }
-      for (const double lane : lanes) result[c] += lane;
-    }
-    return result;
-  }
+  static constexpr std::size_t kLanes = 8;
 
   const Source& source_;
   const Kernel& kernel_;
