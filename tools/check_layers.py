@@ -20,6 +20,8 @@ ALLOWED = {
     "io": {"scene", "image", "math", "base"},
     "path": {"scene", "shade", "image", "math", "base"},
     "ibl": {"scene", "shade", "image", "math", "base"},
+    "gl": {"base"},
+    "raster": {"gl", "ibl", "scene", "shade", "image", "math", "base"},
     "study": {"ibl", "path", "scene", "shade", "image", "math", "base"},
     "candela": {"path", "io", "scene", "image", "math", "base"},
 }
@@ -28,7 +30,8 @@ ALLOWED = {
 # that other folders see.
 THIRD_PARTY = {
     "CLI/": {"app"},
-    "GL": set(),
+    "EGL/": {"gl"},
+    "GL": {"gl"},
     "Imath": {"image"},
     "Imf": {"image"},
     "OpenEXR/": {"image"},

@@ -1,3 +1,5 @@
+#include "raster/render.h"
+
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -18,6 +20,7 @@
 #include "cli/render_options.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "raster/image_light.h"
 
 namespace candela::cli {
 
@@ -56,13 +59,30 @@ void check_paths(const RenderOptions& o) {
   }
 }
 
+raster::Settings raster_settings(const RenderOptions& o) {
+  raster::Settings settings;
+  settings.width = o.settings.width;
+  settings.height = o.settings.height;
+  settings.frames = o.settings.samples;
+  settings.msaa = o.msaa;
+  settings.background = o.settings.background == path::Background::transparent ? raster::Background::transparent
+                                                                               : raster::Background::environment;
+  settings.shading = o.settings.shading;
+  settings.layers = o.settings.layers;
+  if (o.keeps_cache) settings.cache = raster::default_cache();
+  settings.shader_folder = o.shader_folder;
+  return settings;
+}
+
 /// A picture that cannot be held is refused here, not by the system in the middle of the work.
 void check_memory(const RenderOptions& o) {
   std::uint64_t writing = 0;
   for (const std::string& output : o.outputs)
     writing = std::max(writing, writing_bytes(output, o.size.x, o.size.y, o.settings.layers));
-  require_memory(path::picture_bytes(o.settings) + writing, available_memory(),
-                 fmt::format("a picture of {}x{}", o.size.x, o.size.y), "--size");
+  const std::uint64_t drawing =
+      o.engine == Engine::raster ? raster::picture_bytes(raster_settings(o)) : path::picture_bytes(o.settings);
+  require_memory(drawing + writing, available_memory(), fmt::format("a picture of {}x{}", o.size.x, o.size.y),
+                 "--size");
 }
 
 std::string vec3_text(vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
@@ -167,7 +187,9 @@ std::map<std::string, std::string> metadata(const RenderOptions& o, const Job& j
       {"scene", o.scene},
       {"camera", job.camera},
       {"environment", job.environment.name},
-      {"integrator", o.settings.integrator == path::Integrator::full ? "full" : "minimal"},
+      {"integrator", o.engine == Engine::raster                        ? "raster"
+                     : o.settings.integrator == path::Integrator::full ? "full"
+                                                                       : "minimal"},
       {"samples", fmt::format("{}", samples_per_pixel)},
       {"seed", fmt::format("{}", o.settings.seed)},
       {"version", fmt::format("candela {}", version())}};
@@ -269,6 +291,69 @@ Film trace(const RenderOptions& o, const Job& job, ProgressLine& progress, path:
   return film;
 }
 
+std::string raster_stats_json(const RenderOptions& o, const raster::Statistics& s, const Times& times,
+                              const Diagnostics& diagnostics) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  nlohmann::ordered_json json{{"version", version()},
+                              {"engine", "raster"},
+                              {"driver", s.driver},
+                              {"scene", o.scene},
+                              {"width", o.size.x},
+                              {"height", o.size.y},
+                              {"frames", s.frames},
+                              {"msaa", o.msaa},
+                              {"load_s", times.load_s},
+                              {"open_s", s.open_s},
+                              {"light_s", s.light_s},
+                              {"light_is_cached", s.is_light_cached},
+                              {"upload_s", s.upload_s},
+                              {"compile_s", s.compile_s},
+                              {"shadow_s", s.shadow_s},
+                              {"frame_s", s.frame_s},
+                              {"write_s", times.write_s},
+                              {"total_s", times.total_s},
+                              {"cpu_s", cpu_seconds(usage)},
+                              {"peak_rss_mb", static_cast<double>(usage.ru_maxrss) / 1024.0},
+                              {"programs", s.programs},
+                              {"draws", s.draws},
+                              {"triangles", s.triangles},
+                              {"non_finite_pixels", s.non_finite_pixels},
+                              {"warnings", nlohmann::ordered_json::array()}};
+  for (const Diagnostic& warning : diagnostics.warnings()) json["warnings"].push_back(warning.text());
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+void write_stats(const RenderOptions& o, const std::string& json) {
+  if (!o.stats) return;
+  if (*o.stats == "-")
+    print(json);
+  else
+    write_file(*o.stats, json);
+}
+
+/// One picture by the rasterizer, from what is loaded to what is written.
+void draw(const RenderOptions& o, const Job& job, Times& times, const Stopwatch& total, Diagnostics& diagnostics,
+          ProgressLine& progress) {
+  progress.phase("drawing");
+  raster::Statistics statistics;
+  Film film = raster::render(job.scene, job.environment, job.view, raster_settings(o), diagnostics, &statistics);
+  film.metadata.merge(metadata(o, job, statistics.frames));
+  const Stopwatch writing;
+  write_outputs({o.outputs.begin(), o.outputs.end()}, film, job.develop);
+  times.write_s = writing.seconds();
+  times.total_s = total.seconds();
+  if (statistics.non_finite_pixels > 0) {
+    diagnostics.warn(fmt::format("{} pixels were not finite and are black", statistics.non_finite_pixels), o.scene);
+  }
+  for (const std::string& output : o.outputs) {
+    progress.line(fmt::format("{}: {}x{}, {} {} in {}, {} each, on {}", output, o.size.x, o.size.y, statistics.frames,
+                              statistics.frames == 1 ? "frame" : "frames", duration_text(times.total_s),
+                              duration_text(statistics.frame_s / statistics.frames), statistics.driver));
+  }
+  write_stats(o, raster_stats_json(o, statistics, times, diagnostics));
+}
+
 void run_render(const RenderOptions& o) {
   const Stopwatch total;
   ProgressLine progress(o.quiet);
@@ -283,6 +368,11 @@ void run_render(const RenderOptions& o) {
   report_warnings(o, diagnostics, 0, progress);
   const std::size_t reported = diagnostics.warnings().size();
 
+  if (o.engine == Engine::raster) {
+    draw(o, job, times, total, diagnostics, progress);
+    report_warnings(o, diagnostics, reported, progress);
+    return;
+  }
   progress.phase("building");
   path::Statistics statistics;
   Film film = trace(o, job, progress, statistics);
@@ -303,13 +393,7 @@ void run_render(const RenderOptions& o) {
                               statistics.mean_samples_per_pixel, duration_text(times.total_s),
                               static_cast<double>(statistics.samples) / std::max(statistics.render_s, 1e-9) * 1e-6));
   }
-  if (o.stats) {
-    const std::string json = stats_json(o, statistics, times, threads.threads(), diagnostics);
-    if (*o.stats == "-")
-      print(json);
-    else
-      write_file(*o.stats, json);
-  }
+  if (o.stats) write_stats(o, stats_json(o, statistics, times, threads.threads(), diagnostics));
   report_warnings(o, diagnostics, reported, progress);
 }
 

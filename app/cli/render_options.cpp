@@ -59,7 +59,7 @@ void add_sampling(CLI::App* verb, RenderOptions& o) {
     return static_cast<std::uint32_t>(parse_count(text, 0, std::numeric_limits<int>::max()));
   };
   add_value(verb, "--spp", "N", o.samples, count_within(1, kMostSamples),
-            "Samples per pixel, best a power of two [128; 65536 with --time or --noise]")
+            "Samples per pixel, best a power of two [128; 65536 with --time or --noise; raster: frames to average, 1]")
       ->group(group);
   add_value(verb, "--time", "30s", o.settings.time_limit_s, parse_duration,
             "Stop after about this long: 500ms, 30s, 5min, 1.5h")
@@ -141,7 +141,9 @@ void add_running(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Running";
   add_value(verb, "--threads", "N", o.threads, count_within(0, 1024), "0 is all; the picture does not depend on it [0]")
       ->group(group);
-  add_value(verb, "--engine", "path", o.engine, parse_engine, "The renderer: path, a path tracer [path]")->group(group);
+  add_value(verb, "--engine", "path|raster", o.engine, parse_engine,
+            "path, the path tracer; raster, OpenGL: a frame in a moment, with or without a GPU [path]")
+      ->group(group);
   const auto file_name = [](const std::string& value) {
     if (value.empty()) throw UsageError("the name is empty");
     return fs::path(value);
@@ -154,6 +156,21 @@ void add_running(CLI::App* verb, RenderOptions& o) {
   verb->set_help_flag("-h,--help", "This text")->group(group);
 }
 
+void add_raster(CLI::App* verb, RenderOptions& o) {
+  const std::string group = "With --engine raster";
+  add_value(verb, "--msaa", "N", o.msaa, count_within(1, 16),
+            "Samples of each frame at edges, 1 to what the driver has [4]")
+      ->group(group);
+  verb->add_flag("!--no-cache", o.keeps_cache, "Bake the environment anew, and keep nothing of it")->group(group);
+  const auto folder = [](const std::string& value) {
+    if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
+    return value;
+  };
+  add_value(verb, "--shaders", "DIR", o.shader_folder, folder,
+            "For development: read shaders from there in place of those in the program")
+      ->group(group);
+}
+
 std::string footer() {
   std::string text = "Built-in scenes:\n";
   for (const io::DemoInfo& demo : io::demos())
@@ -164,6 +181,7 @@ Examples:
   candela render helmet.glb -o helmet.png -o helmet.exr --env sky --aov albedo,normal,depth
   candela render helmet.glb -o close.png --orbit -30,15,0.6 --fov 30deg --f-number 4 --noise 0.01
   candela render helmet.glb -o logo.png --background transparent --exposure 1.5 --tonemap agx
+  candela render helmet.glb -o frame.png --engine raster
   candela render city.gltf -o city.jpg --size 3840x2160 --time 10min --stats city.json
 
 A long render refreshes its output files every few seconds. Ctrl-C stops early and keeps the picture with the samples
@@ -195,6 +213,22 @@ void check_outputs(RenderOptions& o) {
   if (!o.settings.layers.empty() && !any_exr) throw UsageError("--aov: only an .exr holds layers; add -o FILE.exr");
 }
 
+/// What only one of the engines knows is not silently ignored by the other.
+void check_engine(const CLI::App& verb, const RenderOptions& o) {
+  const bool is_raster = o.engine == Engine::raster;
+  const auto refuse = [&](std::initializer_list<const char*> options, const std::string& why) {
+    for (const char* option : options) {
+      if (verb.count(option) > 0) throw UsageError(std::string(option) + ": " + why);
+    }
+  };
+  if (is_raster) {
+    refuse({"--time", "--noise", "--bounces", "--seed", "--filter", "--integrator"}, "only for --engine path");
+    if (o.settings.layers.contains(Layer::object_id) && o.msaa < 1) throw UsageError("--msaa: must be positive");
+  } else {
+    refuse({"--msaa", "--no-cache", "--shaders"}, "only for --engine raster");
+  }
+}
+
 }  // namespace
 
 CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
@@ -205,15 +239,20 @@ CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
   add_camera(verb, options);
   add_light(verb, options);
   add_running(verb, options);
+  add_raster(verb, options);
   verb->footer(footer);
   return verb;
 }
 
 void finish_options(const CLI::App& verb, RenderOptions& o) {
   if (o.scene.empty()) throw UsageError("SCENE: the name is empty");
+  check_engine(verb, o);
   constexpr int kDefaultSamples = 128;
+  constexpr int kDefaultFrames = 1;
   const bool open_ended = o.settings.time_limit_s || o.settings.noise;
-  o.settings.samples = o.samples.value_or(open_ended ? kOpenEndedSamples : kDefaultSamples);
+  o.settings.samples = o.samples.value_or(o.engine == Engine::raster ? kDefaultFrames
+                                          : open_ended               ? kOpenEndedSamples
+                                                                     : kDefaultSamples);
   o.settings.width = o.size.x;
   o.settings.height = o.size.y;
   o.settings.background = o.background.kind;

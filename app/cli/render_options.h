@@ -23,7 +23,10 @@ struct RenderOptions {
   std::optional<int> samples;
   path::Settings settings;
   std::string shading;  ///< as given; empty = the default
-  std::string engine = "path";
+  Engine engine = Engine::path;
+  int msaa = 4;               ///< raster
+  bool keeps_cache = true;    ///< raster
+  std::string shader_folder;  ///< raster; empty = the shaders in the program
   int threads = 0;
 
   std::optional<std::string> camera;

@@ -186,9 +186,9 @@ shade::ShadingModel parse_shading(const std::string& text) {
   }
 }
 
-std::string parse_engine(const std::string& text) {
-  if (text == "raster") throw UsageError("'raster' is not part of this version; the engine is 'path'");
-  return one_of(text, std::array<std::pair<std::string_view, std::string>, 1>{{{"path", "path"}}});
+Engine parse_engine(const std::string& text) {
+  return one_of(
+      text, std::array<std::pair<std::string_view, Engine>, 2>{{{"path", Engine::path}, {"raster", Engine::raster}}});
 }
 
 FalloffChoice parse_falloff(const std::string& text) {

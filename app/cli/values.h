@@ -39,7 +39,8 @@ struct BackgroundChoice {
   std::optional<vec3> color = {};  ///< linear; shows through where the film is transparent
 };
 BackgroundChoice parse_background(const std::string& text);
-std::string parse_engine(const std::string& text);
+enum class Engine { path, raster };
+Engine parse_engine(const std::string& text);
 
 struct FalloffChoice {
   Falloff kind = Falloff::gltf;

@@ -8,6 +8,7 @@
 #include "math/hash.h"
 #include "path/embree.h"
 #include "path/surface_point.h"
+#include "scene/surface_params.h"
 #include "shade/surface.glsl.h"
 
 namespace candela::path {
@@ -144,51 +145,11 @@ bool can_instance(const mat4& world_from_object) {
 namespace {
 
 /// The material's factors and the bits of what it uses.
-shade::SurfaceParams make_params(const Material& m, const shade::ShadingModel& model) {
-  shade::SurfaceParams p = shade::surface_params_default();
-  p.base_color = m.base_color;
-  p.metallic = m.metallic;
-  p.roughness = m.roughness;
-  p.ior = m.ior;
-  p.specular = m.specular;
-  p.specular_color = m.specular_color;
-  p.model = model;
-  const auto add = [&p](bool is_used, int lobe) { p.lobes |= is_used ? lobe : 0; };
-  add(!shade::shading_model_is_default(model), shade::kLobeModel);
-  add(m.anisotropy > 0.0f, shade::kLobeAnisotropy);
-  add(m.iridescence > 0.0f, shade::kLobeIridescence);
-  add(m.is_conductor(), shade::kLobeConductor);
-  add(m.transmission > 0.0f, shade::kLobeTransmission);
-  add(m.diffuse_transmission > 0.0f, shade::kLobeDiffuseTransmission);
-  add(max_component(m.sheen_color) > 0.0f, shade::kLobeSheen);
-  add(m.clearcoat > 0.0f, shade::kLobeClearcoat);
-  p.anisotropy = m.anisotropy;
-  p.iridescence = m.iridescence;
-  p.film_ior = m.iridescence_ior;
-  p.film_nm = m.iridescence_thickness_max_nm;
-  p.conductor_n = m.conductor_n;
-  p.conductor_k = m.conductor_k;
-  p.transmission = m.transmission;
-  p.is_thin = !m.has_volume();
-  p.eta = m.ior;
-  p.diffuse_transmission = m.diffuse_transmission;
-  p.diffuse_transmission_color = m.diffuse_transmission_color;
-  p.sheen_color = m.sheen_color;
-  p.sheen_roughness = m.sheen_roughness;
-  p.clearcoat = m.clearcoat;
-  p.clearcoat_roughness = m.clearcoat_roughness;
-  return p;
-}
-
 Medium make_medium(const Material& m) {
   Medium medium;
   medium.ior = std::max(m.ior, 1.0f);
   medium.dispersion = m.dispersion;
-  if (m.attenuation_distance < kInfinity) {
-    medium.extinction = glm::max(-glm::log(glm::max(m.attenuation_color, vec3(1e-30f))), vec3(0.0f)) /
-                        glm::max(m.attenuation_distance, 1e-9f);
-    medium.extinction = glm::min(medium.extinction, vec3(1e9f));
-  }
+  medium.extinction = volume_extinction(m);
   medium.anisotropy = glm::clamp(m.scatter_anisotropy, -0.99f, 0.99f);
   if (max_component(m.multiscatter_color) > 0.0f) {
     medium.albedo = single_scatter_albedo(m.multiscatter_color, medium.anisotropy);
@@ -202,7 +163,7 @@ Medium make_medium(const Material& m) {
 
 MaterialData::MaterialData(const Scene& scene, const Material& material, const shade::ShadingModel& model)
     : factors(material),
-      params(make_params(material, model)),
+      params(surface_params(material, model)),
       base_color(scene, material.base_color_texture, Encoding::srgb),
       metallic_roughness(scene, material.metallic_roughness_texture, Encoding::data),
       normal(scene, material.normal_texture, Encoding::data),

@@ -186,7 +186,8 @@ TEST(law_path, one_of_many_profiles_stands_for_all_of_them) {
   constexpr int kLamps = 40;  // more than are chosen one by one
   constexpr int kPixels = 8;
   for (int i = 0; i < kLamps; ++i) {
-    const vec3 at(0.1f * static_cast<float>(i - kLamps / 2), 1.5f, -0.4f);
+    const int from_middle = i - kLamps / 2;
+    const vec3 at(0.1f * static_cast<float>(from_middle), 1.5f, -0.4f);
     Light light = point_light(vec3(1.0f), std::pow(1.2f, static_cast<float>(i)));
     light.ies = 0;
     b.add_light(light, translation(at) * rotation({1, 0, 0}, -kPi / 2));

@@ -336,7 +336,8 @@ TEST(law_path, no_legal_material_makes_a_sample_that_is_not_finite) {
   for (int round = 0; round < 40; ++round) {
     SceneBuilder b;
     for (int i = 0; i < 25; ++i) {
-      const vec3 center(static_cast<float>(i % 5) - 2.0f, static_cast<float>(i / 5) - 2.0f, 0.0f);
+      const int row = i / 5, column = i % 5;
+      const vec3 center(static_cast<float>(column) - 2.0f, static_cast<float>(row) - 2.0f, 0.0f);
       b.add(sphere(center, 0.45f, 2, i % 2 == 0), random_material(random));
     }
     b.add_light(point_light(vec3(1.0f), 10.0f), translation({1, 2, 3}));

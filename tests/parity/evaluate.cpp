@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "parity/gles.h"
-#include "parity/glsl_source.h"
+#include "gl/gl.h"
+#include "gl/shader_text.h"
 
 namespace candela::parity {
 namespace {
@@ -46,7 +46,7 @@ std::string vertex_main(const Function& function, int first, int floats) {
 }
 
 /// What vertex_main reads: each input padded to whole texels.
-GlTexture upload_inputs(const Function& function, const std::vector<float>& inputs) {
+gl::Texture upload_inputs(const Function& function, const std::vector<float>& inputs) {
   const auto size = static_cast<std::size_t>(function.input_size);
   const auto stride = static_cast<std::size_t>(4 * texels_for(function.input_size));
   const std::size_t row = std::size_t{4} * kRowTexels;
@@ -63,9 +63,9 @@ GlTexture upload_inputs(const Function& function, const std::vector<float>& inpu
 }
 
 /// Every sampler that the program reads gets a texture unit and its texels.
-std::vector<GlTexture> bind_textures(const GlProgram& program, const Function& function,
-                                     const std::vector<float>& inputs, const std::vector<Table>& known) {
-  std::vector<GlTexture> textures;
+std::vector<gl::Texture> bind_textures(const gl::Program& program, const Function& function,
+                                       const std::vector<float>& inputs, const std::vector<Table>& known) {
+  std::vector<gl::Texture> textures;
   for (const std::string& name : program.samplers()) {
     const auto unit = static_cast<GLint>(textures.size());
     const auto table = std::find_if(known.begin(), known.end(), [&](const Table& t) { return t.uniform == name; });
@@ -90,22 +90,22 @@ class IdleFramebuffer {
   }
 
  private:
-  GlRenderbuffer color_;
-  GlFramebuffer framebuffer_;
+  gl::Renderbuffer color_;
+  gl::Framebuffer framebuffer_;
 };
 
 /// Every vertex's outputs, whole vec4s, `floats` for each vertex.
 std::vector<float> draw(std::size_t count, std::size_t floats) {
   const auto bytes = static_cast<GLsizeiptr>(count * floats * sizeof(float));
   const IdleFramebuffer framebuffer;
-  const GlBuffer buffer;
+  const gl::Buffer buffer;
   glEnable(GL_RASTERIZER_DISCARD);
   glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer);
   glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, bytes, nullptr, GL_STREAM_READ);
   glBeginTransformFeedback(GL_POINTS);
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count));
   glEndTransformFeedback();
-  check_gl("draw");
+  gl::check("draw");
   const void* mapped = glMapBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, bytes, GL_MAP_READ_BIT);
   if (mapped == nullptr) throw Error("cannot map the results");
   const auto* first = static_cast<const float*>(mapped);
@@ -114,8 +114,12 @@ std::vector<float> draw(std::size_t count, std::size_t floats) {
   return result;
 }
 
-std::unique_ptr<GlProgram> make_program(const Function& function, int first, int floats, const Alteration& alteration) {
-  GlslSource source(CANDELA_SOURCE_DIR "/src");
+/// The vertex shader does the work.
+constexpr const char* kIdleFragment = "#version 300 es\nvoid main() {}\n";
+
+std::unique_ptr<gl::Program> make_program(const Function& function, int first, int floats,
+                                          const Alteration& alteration) {
+  gl::ShaderText source(gl::read_from_folder(CANDELA_SOURCE_DIR "/src"));
   source.add_header(function.header);
   if (!alteration.from.empty()) source.replace(alteration.from, alteration.to);
   source.add_text("main() of " + function.name, vertex_main(function, first, floats));
@@ -123,9 +127,9 @@ std::unique_ptr<GlProgram> make_program(const Function& function, int first, int
   captured.reserve(static_cast<std::size_t>(texels_for(floats)));
   for (int i = 0; i < texels_for(floats); ++i) captured.push_back(output_name(i));
   try {
-    return std::make_unique<GlProgram>(source.text(), captured);
+    return std::make_unique<gl::Program>(source.text(), kIdleFragment, captured);
   } catch (const Error& error) {
-    throw Error(source.explain(error.what()), function.name);
+    throw Error(source.explain(error.message()), function.name);
   }
 }
 
@@ -153,9 +157,9 @@ std::vector<float> evaluate_glsl(const Function& function, const std::vector<flo
   // A program for each part of the outputs that transform feedback can hold.
   for (int first = 0; first < function.output.size; first += kPassFloats) {
     const int floats = std::min(kPassFloats, function.output.size - first);
-    const std::unique_ptr<GlProgram> program = make_program(function, first, floats, alteration);
+    const std::unique_ptr<gl::Program> program = make_program(function, first, floats, alteration);
     glUseProgram(program->id());
-    const std::vector<GlTexture> bound = bind_textures(*program, function, inputs, textures);
+    const std::vector<gl::Texture> bound = bind_textures(*program, function, inputs, textures);
     const auto captured = static_cast<std::size_t>(4 * texels_for(floats));
     const std::vector<float> part = draw(count, captured);
     for (std::size_t i = 0; i < count; ++i) {

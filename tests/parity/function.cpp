@@ -33,6 +33,7 @@ Function read_function(const FlatFunction& flat) {
 const std::vector<Function>& functions() {
   static const std::vector<Function> kTable = [] {
     std::vector<Function> table;
+    table.reserve(static_cast<std::size_t>(kFlatFunctionCount));
     for (int i = 0; i < kFlatFunctionCount; ++i) table.push_back(read_function(kFlatFunctions[i]));
     return table;
   }();

@@ -29,7 +29,7 @@ const std::vector<Table>& tables() {
   return kTables;
 }
 
-GlTexture upload(const Table& table) {
+gl::Texture upload(const Table& table) {
   static constexpr std::array<GLint, 4> kInternal = {GL_R32F, GL_RG32F, GL_RGB32F, GL_RGBA32F};
   static constexpr std::array<GLenum, 4> kFormat = {GL_RED, GL_RG, GL_RGB, GL_RGBA};
   const auto channels = static_cast<std::size_t>(table.channels - 1);
@@ -38,7 +38,7 @@ GlTexture upload(const Table& table) {
   if (channels >= kFormat.size() || table.texels.size() != floats)
     throw Error("its texels are not its size", table.uniform);
 
-  GlTexture texture;
+  gl::Texture texture;
   glBindTexture(table.target, texture);
   if (table.target == GL_TEXTURE_2D) {
     glTexImage2D(table.target, 0, kInternal[channels], table.width, table.height, 0, kFormat[channels], GL_FLOAT,
@@ -53,7 +53,7 @@ GlTexture upload(const Table& table) {
   for (const GLenum which : {GLenum{GL_TEXTURE_WRAP_S}, GLenum{GL_TEXTURE_WRAP_T}, GLenum{GL_TEXTURE_WRAP_R}}) {
     glTexParameteri(table.target, which, GL_CLAMP_TO_EDGE);
   }
-  check_gl("upload of " + table.uniform);
+  gl::check("upload of " + table.uniform);
   return texture;
 }
 

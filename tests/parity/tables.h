@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "parity/gles.h"
+#include "gl/gl.h"
 
 namespace candela::parity {
 
@@ -24,6 +24,6 @@ struct Table {
 const std::vector<Table>& tables();
 
 /// The table as a texture, clamped at its edges.
-GlTexture upload(const Table& table);
+gl::Texture upload(const Table& table);
 
 }  // namespace candela::parity

@@ -1,17 +1,20 @@
 #pragma once
 
+#include <functional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
-namespace candela::parity {
+namespace candela::gl {
 
 /// GLSL text with every include expanded once, where it stands, and where each line came from. (#line would say it to
 /// the compiler, but Mesa's loses the source number within expressions.)
-class GlslSource {
+class ShaderText {
  public:
-  /// `root` is the folder that includes are relative to. Throws Error for a header that is not there.
-  explicit GlslSource(std::string root);
+  /// Gives the text of a file by the name that stands in an include. Throws Error for one that is not there.
+  using Reader = std::function<std::string(const std::string& name)>;
+  explicit ShaderText(Reader reader);
 
   void add_header(const std::string& name);
   /// `name` stands in messages; lines count from 1.
@@ -31,10 +34,13 @@ class GlslSource {
 
   void add_line(const std::string& name, int number, const std::string& line);
 
-  std::string root_;
+  Reader reader_;
   std::string text_;
   std::set<std::string> headers_;
   std::vector<Origin> origins_;  ///< of each line of the text
 };
 
-}  // namespace candela::parity
+/// Reads includes from a folder.
+ShaderText::Reader read_from_folder(std::string root);
+
+}  // namespace candela::gl

@@ -1,26 +1,26 @@
-#include "parity/glsl_source.h"
+#include "gl/shader_text.h"
 
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "base/error.h"
 
-namespace candela::parity {
+namespace candela::gl {
 
-GlslSource::GlslSource(std::string root) : root_(std::move(root)) {
+ShaderText::ShaderText(Reader reader) : reader_(std::move(reader)) {
   add_text("preamble", "#version 300 es\nprecision highp float;\nprecision highp int;\n");
 }
 
-void GlslSource::add_line(const std::string& name, int number, const std::string& line) {
+void ShaderText::add_line(const std::string& name, int number, const std::string& line) {
   text_ += line + "\n";
   origins_.push_back({name, number});
 }
 
-void GlslSource::add_header(const std::string& name) {
+void ShaderText::add_header(const std::string& name) {
   if (!headers_.insert(name).second) return;
-  std::ifstream file(root_ + "/" + name);
-  if (!file) throw Error("cannot read", root_ + "/" + name);
+  std::istringstream file(reader_(name));
   static const std::string kInclude = "#include \"";
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
@@ -32,13 +32,13 @@ void GlslSource::add_header(const std::string& name) {
   }
 }
 
-void GlslSource::add_text(const std::string& name, const std::string& text) {
+void ShaderText::add_text(const std::string& name, const std::string& text) {
   std::istringstream lines(text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) add_line(name, number, line);
 }
 
-void GlslSource::replace(const std::string& from, const std::string& to) {
+void ShaderText::replace(const std::string& from, const std::string& to) {
   if ((from + to).find('\n') != std::string::npos) throw Error("only within a line", from);
   const std::size_t at = text_.find(from);
   if (at == std::string::npos) throw Error("is nowhere in the GLSL text", from);
@@ -46,7 +46,7 @@ void GlslSource::replace(const std::string& from, const std::string& to) {
   text_.replace(at, from.size(), to);
 }
 
-std::string GlslSource::explain(const std::string& log) const {
+std::string ShaderText::explain(const std::string& log) const {
   std::istringstream lines(log);
   std::ostringstream explained;
   for (std::string line; std::getline(lines, line);) {
@@ -64,4 +64,12 @@ std::string GlslSource::explain(const std::string& log) const {
   return explained.str();
 }
 
-}  // namespace candela::parity
+ShaderText::Reader read_from_folder(std::string root) {
+  return [root = std::move(root)](const std::string& name) {
+    std::ifstream file(root + "/" + name);
+    if (!file) throw Error("cannot read", root + "/" + name);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+}
+
+}  // namespace candela::gl

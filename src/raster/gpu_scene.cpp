@@ -1,0 +1,333 @@
+#include "raster/gpu_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "scene/surface_params.h"
+
+namespace candela::raster {
+
+namespace {
+
+/// As the shaders' attributes lie in a buffer.
+struct Vertex {
+  vec3 position;
+  vec3 normal;
+  vec4 tangent;
+  vec4 uv;
+  vec4 color;
+};
+
+// Slots whose colours are sRGB; the others hold data.
+constexpr std::array kSrgbSlots = {0, 4, 6, 10, 18, 19};
+bool is_srgb_slot(std::size_t i) {
+  return std::find(kSrgbSlots.begin(), kSrgbSlots.end(), static_cast<int>(i)) != kSrgbSlots.end();
+}
+
+void attribute(GLuint location, GLint size, std::size_t offset, GLsizei stride) {
+  glEnableVertexAttribArray(location);
+  glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(offset));
+}
+
+std::vector<Vertex> interleave(const Primitive& p) {
+  std::vector<Vertex> vertices(p.positions.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    Vertex& v = vertices[i];
+    v.position = p.positions[i];
+    v.normal = p.normals[i];
+    v.tangent = p.tangents.empty() ? vec4(0.0f) : p.tangents[i];
+    const vec2 uv0 = p.uvs[0].empty() ? vec2(0.0f) : p.uvs[0][i];
+    // Without a second set the first serves, as in the path tracer.
+    v.uv = vec4(uv0, p.uvs[1].empty() ? uv0 : p.uvs[1][i]);
+    v.color = p.colors.empty() ? vec4(1.0f) : p.colors[i];
+  }
+  return vertices;
+}
+
+MaterialBlock make_block(const Material& m) {
+  MaterialBlock b;
+  b.base_color = vec4(m.base_color, m.opacity);
+  b.emission = vec4(m.emission, m.alpha_cutoff);
+  b.metallic_roughness = {m.metallic, m.roughness, m.ior, m.specular};
+  b.specular_color = vec4(m.specular_color, m.normal_scale);
+  b.coat = {m.clearcoat, m.clearcoat_roughness, m.clearcoat_normal_scale, m.occlusion_strength};
+  b.sheen = vec4(m.sheen_color, m.sheen_roughness);
+  b.anisotropy = {m.anisotropy, std::cos(m.anisotropy_rotation), std::sin(m.anisotropy_rotation), m.dispersion};
+  b.film = {m.iridescence, m.iridescence_ior, m.iridescence_thickness_min_nm, m.iridescence_thickness_max_nm};
+  b.transmission = {m.transmission, m.thickness, m.has_volume() ? 0.0f : 1.0f, m.diffuse_transmission};
+  b.extinction = vec4(volume_extinction(m), 0.0f);
+  b.below_color = vec4(m.diffuse_transmission_color, 0.0f);
+  b.conductor_n = vec4(m.conductor_n, 0.0f);
+  b.conductor_k = vec4(m.conductor_k, 0.0f);
+  const auto slots = texture_slots(m);
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    const auto& t = slots[i]->transform;
+    b.uv_transform[2 * i] = vec4(t[0], t[1]);
+    b.uv_transform[2 * i + 1] = vec4(t[2], slots[i]->uv_set, 0.0f);
+  }
+  return b;
+}
+
+bool is_plain(const TextureSlot& slot) {
+  return !slot || (slot.uv_set == 0 && slot.transform == TextureSlot{}.transform);
+}
+
+GLint wrap_of(Wrap wrap) {
+  switch (wrap) {
+    case Wrap::repeat:
+      return GL_REPEAT;
+    case Wrap::clamp_to_edge:
+      return GL_CLAMP_TO_EDGE;
+    case Wrap::mirrored_repeat:
+      return GL_MIRRORED_REPEAT;
+  }
+  return GL_REPEAT;
+}
+
+/// Half as wide and high, box filtered.
+template <class T>
+std::vector<T> halved(const T* pixels, int width, int height) {
+  const int w = std::max(width / 2, 1), h = std::max(height / 2, 1);
+  std::vector<T> out(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 4);
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      for (int c = 0; c < 4; ++c) {
+        std::uint32_t sum = 0;
+        for (int k = 0; k < 4; ++k) {
+          const int sx = std::min(2 * x + (k & 1), width - 1), sy = std::min(2 * y + (k >> 1), height - 1);
+          sum +=
+              pixels[(static_cast<std::size_t>(sy) * static_cast<std::size_t>(width) + static_cast<std::size_t>(sx)) *
+                         4 +
+                     static_cast<std::size_t>(c)];
+        }
+        out[(static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)) * 4 +
+            static_cast<std::size_t>(c)] = static_cast<T>((sum + 2) / 4);
+      }
+    }
+  }
+  return out;
+}
+
+/// Uploads level 0; half as large again and again where the driver's limit asks for it. Returns how often.
+template <class T>
+int upload_texture(const T* pixels, int width, int height, bool is_srgb) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+  std::vector<T> smaller;
+  int halvings = 0;
+  for (; width > most || height > most; ++halvings) {
+    smaller = halved(pixels, width, height);
+    pixels = smaller.data();
+    width = std::max(width / 2, 1), height = std::max(height / 2, 1);
+  }
+  if constexpr (sizeof(T) == 1) {
+    glTexImage2D(GL_TEXTURE_2D, 0, is_srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                 pixels);
+  } else {
+    // There are no 16-bit integers to filter: half floats, decoded here.
+    std::vector<float> linear(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
+    for (std::size_t i = 0; i < linear.size(); ++i) {
+      const float v = static_cast<float>(pixels[i]) / 65535.0f;
+      const bool is_color = is_srgb && i % 4 != 3;
+      linear[i] = !is_color ? v : v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+    }
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, height, 0, GL_RGBA, GL_FLOAT, linear.data());
+  }
+  return halvings;
+}
+
+MaterialKey make_key(const Material& m, const shade::ShadingModel& model) {
+  MaterialKey key;
+  key.lobes = surface_params(m, model).lobes;
+  key.is_unlit = m.unlit;
+  key.is_specular_glossiness = m.specular_glossiness;
+  key.alpha_mode = m.alpha_mode;
+  key.has_body = m.transmission > 0.0f && m.has_volume();
+  key.emissive = max_component(m.emission) <= 0.0f ? 0 : m.double_sided ? 2 : 1;
+  const auto slots = texture_slots(m);
+  key.is_plain_uv = std::all_of(slots.begin(), slots.end(), [](const TextureSlot* s) { return is_plain(*s); });
+  return key;
+}
+
+}  // namespace
+
+bool GpuMaterial::is_transmissive() const { return (key.lobes & shade::kLobeTransmission) != 0 && !key.is_unlit; }
+
+GpuScene::GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
+  add_materials(scene, model, diagnostics);
+  for (const Mesh& mesh : scene.meshes) {
+    first_primitive_.push_back(primitives_.size());
+    add_mesh(mesh, scene.materials);
+  }
+  first_primitive_.push_back(primitives_.size());
+  add_draws(scene);
+  gl::check("uploading the scene");
+}
+
+void GpuScene::add_mesh(const Mesh& mesh, const std::vector<Material>& materials) {
+  for (const Primitive& p : mesh.primitives) {
+    GpuPrimitive& gpu = primitives_.emplace_back();
+    gpu.material = p.material;
+    gpu.index_count = static_cast<GLsizei>(3 * p.triangles.size());
+    for (const vec3& position : p.positions) gpu.bounds.extend(position);
+    const std::vector<Vertex> vertices = interleave(p);
+    glBindVertexArray(gpu.attributes);
+    glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(),
+                 GL_STATIC_DRAW);
+    attribute(0, 3, offsetof(Vertex, position), sizeof(Vertex));
+    attribute(1, 3, offsetof(Vertex, normal), sizeof(Vertex));
+    attribute(2, 4, offsetof(Vertex, tangent), sizeof(Vertex));
+    attribute(3, 4, offsetof(Vertex, uv), sizeof(Vertex));
+    attribute(4, 4, offsetof(Vertex, color), sizeof(Vertex));
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.indices);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(p.triangles.size() * sizeof(uvec3)),
+                 p.triangles.data(), GL_STATIC_DRAW);
+    glBindVertexArray(0);
+    // A material does not know its meshes: the attributes that one of them has are read for all (others hold what
+    // changes nothing).
+    MaterialKey& key = materials_[static_cast<std::size_t>(p.material)].key;
+    key.has_colors |= !p.colors.empty();
+    key.has_tangents |= !p.tangents.empty();
+    (void)materials;
+  }
+}
+
+void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
+  GLint alignment = 256, units = 16;
+  glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
+  const std::size_t stride = (sizeof(MaterialBlock) + static_cast<std::size_t>(alignment) - 1) /
+                             static_cast<std::size_t>(alignment) * static_cast<std::size_t>(alignment);
+  std::vector<std::byte> blocks(stride * scene.materials.size());
+  for (const Material& m : scene.materials) {
+    GpuMaterial& gpu = materials_.emplace_back();
+    gpu.key = make_key(m, model);
+    gpu.is_double_sided = m.double_sided;
+    gpu.block = static_cast<GLintptr>(stride * (materials_.size() - 1));
+    const MaterialBlock block = make_block(m);
+    std::memcpy(blocks.data() + gpu.block, &block, sizeof block);
+    int unit = kFirstSlotUnit;
+    const auto slots = texture_slots(m);
+    for (std::size_t i = 0; i < kSlots; ++i) {
+      if (!*slots[i]) continue;
+      if (unit++ >= units) {
+        diagnostics.warn("the driver reads " + std::to_string(units) + " textures at once; left out: " + slot_name(i),
+                         m.name);
+        continue;
+      }
+      const Texture& texture = scene.textures[static_cast<std::size_t>(slots[i]->texture)];
+      gpu.key.slots |= 1u << i;
+      gpu.textures[i] = texture_for(scene, texture.image, is_srgb_slot(i), diagnostics);
+      gpu.samplers[i] = sampler_for(texture);
+    }
+  }
+  glBindBuffer(GL_UNIFORM_BUFFER, material_blocks_);
+  glBufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(blocks.size()), blocks.data(), GL_STATIC_DRAW);
+}
+
+GLuint GpuScene::texture_for(const Scene& scene, int image, bool is_srgb, Diagnostics& diagnostics) {
+  const auto [entry, is_new] = textures_.try_emplace({image, is_srgb});
+  if (!is_new) return entry->second;
+  const TextureImage& pixels = *scene.images[static_cast<std::size_t>(image)];
+  glBindTexture(GL_TEXTURE_2D, entry->second);
+  const int halvings = pixels.bits == 16 ? upload_texture(reinterpret_cast<const std::uint16_t*>(pixels.pixels.data()),
+                                                          pixels.width, pixels.height, is_srgb)
+                                         : upload_texture(pixels.pixels.data(), pixels.width, pixels.height, is_srgb);
+  if (halvings > 0) {
+    diagnostics.warn("a texture of " + std::to_string(pixels.width) + "x" + std::to_string(pixels.height) +
+                         " is larger than the driver's limit and was halved " + std::to_string(halvings) + " times",
+                     "image " + std::to_string(image));
+  }
+  glGenerateMipmap(GL_TEXTURE_2D);
+  gl::check("uploading image " + std::to_string(image));
+  return entry->second;
+}
+
+GLuint GpuScene::sampler_for(const Texture& texture) {
+  const bool is_nearest = texture.filter == Filter::nearest;
+  const auto [entry, is_new] =
+      samplers_.try_emplace({wrap_of(texture.wrap_u), wrap_of(texture.wrap_v), is_nearest ? 1 : 0});
+  if (is_new) {
+    const GLuint sampler = entry->second;
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, wrap_of(texture.wrap_u));
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, wrap_of(texture.wrap_v));
+    glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, is_nearest ? GL_NEAREST : GL_LINEAR);
+    glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER,
+                        is_nearest ? GL_NEAREST_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
+  }
+  return entry->second;
+}
+
+void GpuScene::add_draws(const Scene& scene) {
+  std::vector<std::array<vec4, 3>> rows;
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    const Node& node = scene.nodes[n];
+    if (node.mesh < 0) continue;
+    const auto mesh = static_cast<std::size_t>(node.mesh);
+    const mat4 transposed = glm::transpose(node.world_from_node);
+    for (std::size_t p = first_primitive_[mesh]; p < first_primitive_[mesh + 1]; ++p) {
+      if (primitives_[p].index_count == 0) continue;
+      Draw draw;
+      draw.primitive = static_cast<int>(p);
+      draw.node = static_cast<int>(n);
+      draw.is_mirrored = glm::determinant(mat3(node.world_from_node)) < 0.0f;
+      const Box3& b = primitives_[p].bounds;
+      for (int i = 0; i < 8; ++i) {
+        draw.bounds.extend(transform_point(node.world_from_node,
+                                           {(i & 1) != 0 ? b.upper.x : b.lower.x, (i & 2) != 0 ? b.upper.y : b.lower.y,
+                                            (i & 4) != 0 ? b.upper.z : b.lower.z}));
+      }
+      draw.center = draw.bounds.center();
+      bounds_.extend(draw.bounds);
+      triangle_count_ += static_cast<std::uint64_t>(primitives_[p].index_count) / 3;
+      draws_.push_back(draw);
+      rows.push_back({transposed[0], transposed[1], transposed[2]});
+    }
+  }
+  glBindBuffer(GL_ARRAY_BUFFER, transforms_);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(rows.size() * sizeof(rows[0])), rows.data(), GL_STATIC_DRAW);
+}
+
+bool GpuScene::has_lobe(int lobe) const {
+  return std::any_of(draws_.begin(), draws_.end(), [&](const Draw& d) {
+    const MaterialKey& key = material_of(d).key;
+    return (key.lobes & lobe) != 0 && !key.is_unlit;
+  });
+}
+
+void GpuScene::bind_material(const GpuMaterial& material) const {
+  glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, material_blocks_, material.block, sizeof(MaterialBlock));
+  GLuint unit = kFirstSlotUnit;
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    if (material.textures[i] == 0) continue;
+    glActiveTexture(GL_TEXTURE0 + unit);
+    glBindTexture(GL_TEXTURE_2D, material.textures[i]);
+    glBindSampler(unit, material.samplers[i]);
+    ++unit;
+  }
+}
+
+void GpuScene::bind_mask(const GpuMaterial& material) const {
+  glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, material_blocks_, material.block, sizeof(MaterialBlock));
+  if (material.textures[0] == 0) return;
+  glActiveTexture(GL_TEXTURE0 + kFirstSlotUnit);
+  glBindTexture(GL_TEXTURE_2D, material.textures[0]);
+  glBindSampler(kFirstSlotUnit, material.samplers[0]);
+}
+
+void GpuScene::draw(std::size_t index) const {
+  const Draw& d = draws_[index];
+  const GpuPrimitive& p = primitives_[static_cast<std::size_t>(d.primitive)];
+  glBindVertexArray(p.attributes);
+  glBindBuffer(GL_ARRAY_BUFFER, transforms_);
+  for (GLuint row = 0; row < 3; ++row) {
+    attribute(5 + row, 4, index * sizeof(std::array<vec4, 3>) + row * sizeof(vec4), sizeof(std::array<vec4, 3>));
+    glVertexAttribDivisor(5 + row, 1);
+  }
+  glFrontFace(d.is_mirrored ? GL_CW : GL_CCW);
+  glDrawElementsInstanced(GL_TRIANGLES, p.index_count, GL_UNSIGNED_INT, nullptr, 1);
+}
+
+}  // namespace candela::raster

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/diagnostics.h"
+#include "gl/gl.h"
+#include "raster/programs.h"
+#include "scene/scene.h"
+#include "shade/model.glsl.h"
+
+namespace candela::raster {
+
+/// One primitive in buffers of the driver.
+struct GpuPrimitive {
+  gl::Buffer vertices, indices;
+  gl::VertexArray attributes;
+  GLsizei index_count = 0;
+  int material = 0;
+  Box3 bounds;  ///< in the mesh's space
+};
+
+struct GpuMaterial {
+  MaterialKey key;
+  GLintptr block = 0;                     ///< its place in the buffer of all materials
+  std::array<GLuint, kSlots> textures{};  ///< 0 where the slot is empty
+  std::array<GLuint, kSlots> samplers{};
+  bool is_double_sided = false;
+
+  bool is_transmissive() const;
+};
+
+/// A primitive of a node.
+struct Draw {
+  int primitive = 0;
+  int node = 0;
+  bool is_mirrored = false;
+  Box3 bounds;  ///< in the world
+  vec3 center{0.0f};
+};
+
+/// A scene as the driver has it. Geometry, textures and materials are uploaded once; what moves are `draws`.
+class GpuScene {
+ public:
+  /// Warns of what the driver cannot hold as it is.
+  GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
+
+  const std::vector<GpuPrimitive>& primitives() const { return primitives_; }
+  const GpuMaterial& material_of(const Draw& draw) const {
+    return materials_[static_cast<std::size_t>(primitives_[static_cast<std::size_t>(draw.primitive)].material)];
+  }
+  const std::vector<Draw>& draws() const { return draws_; }
+  const Box3& bounds() const { return bounds_; }
+  bool has_lobe(int lobe) const;
+  std::uint64_t triangle_count() const { return triangle_count_; }
+
+  /// Binds block and textures of a material to a program of its key.
+  void bind_material(const GpuMaterial& material) const;
+  /// Binds the base colour alone, as a depth program of a mask reads it.
+  void bind_mask(const GpuMaterial& material) const;
+  /// Draws one primitive of one node with the program in use.
+  void draw(std::size_t index) const;
+
+ private:
+  void add_mesh(const Mesh& mesh, const std::vector<Material>& materials);
+  void add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
+  void add_draws(const Scene& scene);
+  GLuint texture_for(const Scene& scene, int image, bool is_srgb, Diagnostics& diagnostics);
+  GLuint sampler_for(const Texture& texture);
+
+  std::vector<GpuPrimitive> primitives_;
+  std::vector<std::size_t> first_primitive_;  ///< of each mesh
+  std::vector<GpuMaterial> materials_;
+  gl::Buffer material_blocks_;
+  gl::Buffer transforms_;  ///< world_from_object of each draw, three rows
+  std::map<std::pair<int, bool>, gl::Texture> textures_;
+  std::map<std::array<int, 3>, gl::Sampler> samplers_;
+  std::vector<Draw> draws_;
+  Box3 bounds_;
+  std::uint64_t triangle_count_ = 0;
+};
+
+}  // namespace candela::raster

@@ -1,0 +1,170 @@
+#include "raster/image_light.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <span>
+#include <string>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "ibl/bake.h"
+#include "image/texture_file.h"
+#include "math/hash.h"
+
+namespace candela::raster {
+
+namespace {
+
+constexpr int kIrradianceSize = 32;
+constexpr int kFormat = 1;  // of the cached files; counts up when the bake changes
+
+/// Faces as sharp as the map: a quarter of its width, a power of two.
+int face_size(const Environment& environment) {
+  int size = 64;
+  if (environment.map != nullptr) {
+    while (size < 1024 && size * 4 < environment.map->width) size *= 2;
+  }
+  return environment.map == nullptr ? 16 : size;
+}
+
+/// FNV-1a over eight bytes at a time: Fowler, Noll & Vo, as in RFC draft-eastlake-fnv.
+std::uint64_t fingerprint(std::uint64_t h, const void* data, std::size_t bytes) {
+  const auto* p = static_cast<const unsigned char*>(data);
+  for (; bytes >= 8; p += 8, bytes -= 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, p, 8);
+    h = (h ^ word) * 0x100000001b3ull;
+    h ^= h >> 29;
+  }
+  for (; bytes > 0; ++p, --bytes) h = (h ^ *p) * 0x100000001b3ull;
+  return h;
+}
+
+std::string key_of(const Environment& environment, bool wants_sheen) {
+  std::uint64_t h = 0xcbf29ce484222325ull;
+  if (environment.map != nullptr) {
+    h = fingerprint(h, environment.map->pixels.data(), environment.map->pixels.size() * sizeof(float));
+    h = fingerprint(h, &environment.map->width, sizeof environment.map->width);
+  }
+  h = fingerprint(h, &environment.constant, sizeof environment.constant);
+  h = fingerprint(h, &environment.intensity, sizeof environment.intensity);
+  h = fingerprint(h, &environment.rotation, sizeof environment.rotation);
+  constexpr int kDigits = 16;
+  std::string text(kDigits, '0');
+  for (int i = 0; i < kDigits; ++i) text[static_cast<std::size_t>(i)] = "0123456789abcdef"[h >> (60 - 4 * i) & 15u];
+  return "light-" + std::to_string(kFormat) + "-" + text + (wants_sheen ? "-sheen" : "");
+}
+
+/// The three cubes in one file: the sheen's levels and the irradiance are cubes of their own beside the first.
+struct CacheFiles {
+  std::filesystem::path specular, sheen, irradiance;
+
+  CacheFiles(const std::filesystem::path& folder, const std::string& key)
+      : specular(folder / (key + ".ktx2")),
+        sheen(folder / (key + ".sheen.ktx2")),
+        irradiance(folder / (key + ".irradiance.ktx2")) {}
+};
+
+Cubemap read_cube(const std::filesystem::path& path) {
+  TextureFile file = read_texture_file(path);
+  Cubemap cube;
+  for (std::vector<Image>& level : file.levels) {
+    if (level.size() != 6) throw Error("is no cube", path.string());
+    CubeFaces faces;
+    std::move(level.begin(), level.end(), faces.begin());
+    cube.levels.push_back(std::move(faces));
+  }
+  return cube;
+}
+
+bool read_cached(const CacheFiles& files, bool wants_sheen, BakedLight& light) {
+  std::error_code code;
+  if (!std::filesystem::exists(files.specular, code)) return false;
+  try {
+    light.specular = read_cube(files.specular);
+    light.irradiance = read_cube(files.irradiance).levels.at(0);
+    if (wants_sheen) light.sheen = read_cube(files.sheen);
+  } catch (const std::exception&) {
+    return false;  // damaged: baked again and replaced
+  }
+  light.is_cached = true;
+  return true;
+}
+
+void write_cached(const CacheFiles& files, const BakedLight& light) {
+  try {
+    std::filesystem::create_directories(files.specular.parent_path());
+    const TextureOptions options{.format = TexelFormat::rgba16f, .zstd = false};
+    // The file whose presence is asked for comes last.
+    write_texture(files.irradiance, cube_of_one_level(light.irradiance), options);
+    if (!light.sheen.empty()) write_texture(files.sheen, light.sheen, options);
+    write_texture(files.specular, light.specular, options);
+  } catch (const std::exception&) {
+    // Another run bakes again.
+  }
+}
+
+}  // namespace
+
+std::filesystem::path default_cache() {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::filesystem::path(value == nullptr ? "" : value);
+  };
+  if (const auto xdg = variable("XDG_CACHE_HOME"); xdg.is_absolute()) return xdg / "candela";
+  if (const auto home = variable("HOME"); home.is_absolute()) return home / ".cache" / "candela";
+  return {};
+}
+
+BakedLight bake_light(const Environment& environment, bool wants_sheen, const std::filesystem::path& cache) {
+  Environment shadowless = environment;
+  shadowless.suns.clear();
+  BakedLight light;
+  const CacheFiles files(cache, key_of(shadowless, wants_sheen));
+  if (!cache.empty() && read_cached(files, wants_sheen, light)) return light;
+
+  ibl::BakeSettings settings;
+  settings.size = face_size(environment);
+  settings.levels = 2;
+  while (settings.size >> settings.levels >= 8 && settings.levels < 7) ++settings.levels;
+  settings.irradiance_size = std::min(kIrradianceSize, settings.size);
+  settings.sheen = wants_sheen;
+  settings.proof_directions = 0;
+  ibl::Bake bake = ibl::bake(ibl::make_source(shadowless), settings);
+  light.specular = std::move(bake.specular);
+  light.sheen = std::move(bake.sheen);
+  light.irradiance = std::move(bake.irradiance);
+  // A plain colour is faster made than read.
+  if (!cache.empty() && environment.map != nullptr) write_cached(files, light);
+  return light;
+}
+
+gl::Texture upload_cube(const Cubemap& cube) {
+  gl::Texture texture;
+  glBindTexture(GL_TEXTURE_CUBE_MAP, texture);
+  constexpr float kMostHalf = 65504.0f;
+  std::vector<float> rgba;
+  for (std::size_t level = 0; level < cube.levels.size(); ++level) {
+    const int size = cube.size(level);
+    rgba.resize(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * 4);
+    for (std::size_t face = 0; face < 6; ++face) {
+      const Image& image = cube.levels[level][face];
+      const std::size_t channels = static_cast<std::size_t>(image.channels);
+      for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
+        for (std::size_t c = 0; c < 3; ++c) rgba[4 * i + c] = std::min(image.pixels[channels * i + c], kMostHalf);
+        rgba[4 * i + 3] = 1.0f;
+      }
+      glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + static_cast<GLenum>(face), static_cast<GLint>(level), GL_RGBA16F,
+                   size, size, 0, GL_RGBA, GL_FLOAT, rgba.data());
+    }
+  }
+  glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(cube.levels.size()) - 1);
+  glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MIN_FILTER,
+                  cube.levels.size() > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
+  gl::check("uploading the environment");
+  return texture;
+}
+
+}  // namespace candela::raster

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+
+#include "gl/gl.h"
+#include "image/cubemap.h"
+#include "scene/scene.h"
+
+namespace candela::raster {
+
+/// What of an environment lights a surface without shadows: prefiltered and irradiance cubes. Its suns are left out:
+/// they are lights, with shadows.
+struct BakedLight {
+  Cubemap specular;        ///< level l filtered for α = 2^(l - levels + 1), level 0 the environment itself
+  Cubemap sheen;           ///< the same for the sheen lobe; empty unless asked for
+  CubeFaces irradiance;    ///< not divided by π
+  bool is_cached = false;  ///< came from a file of an earlier run
+};
+
+/// Bakes, or reads what an earlier run baked from the same light. `cache` is the folder of such files; empty = none is
+/// read or written. A damaged or unwritable cache is no error.
+BakedLight bake_light(const Environment& environment, bool wants_sheen, const std::filesystem::path& cache);
+
+/// $XDG_CACHE_HOME/candela, else ~/.cache/candela; empty where neither is known.
+std::filesystem::path default_cache();
+
+/// A cube in a texture of half floats, its levels as they are.
+gl::Texture upload_cube(const Cubemap& cube);
+
+}  // namespace candela::raster

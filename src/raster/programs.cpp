@@ -1,0 +1,173 @@
+#include "raster/programs.h"
+
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "base/error.h"
+#include "raster/shader_files.h"
+#include "shade/surface_params.glsl.h"
+
+namespace candela::raster {
+
+namespace {
+
+constexpr std::size_t kBaseColorSlot = 0;
+constexpr std::array<const char*, kSlots> kSlotNames = {"base_color",
+                                                        "metallic_roughness",
+                                                        "normal",
+                                                        "occlusion",
+                                                        "emissive",
+                                                        "specular",
+                                                        "specular_color",
+                                                        "clearcoat",
+                                                        "clearcoat_roughness",
+                                                        "clearcoat_normal",
+                                                        "sheen_color",
+                                                        "sheen_roughness",
+                                                        "anisotropy",
+                                                        "iridescence",
+                                                        "iridescence_thickness",
+                                                        "transmission",
+                                                        "thickness",
+                                                        "diffuse_transmission",
+                                                        "diffuse_transmission_color",
+                                                        "specular_glossiness"};
+
+std::string read_embedded(const std::string& name) {
+  const auto file = shader_files().find(name);
+  if (file == shader_files().end()) throw Error("no such shader", name);
+  return file->second;
+}
+
+std::string define(const std::string& name, int value = 1) {
+  return "#define " + name + " " + std::to_string(value) + "\n";
+}
+
+/// The samplers of the slots in `mask`, and a macro for each that reads it.
+std::string slots_text(const MaterialKey& key, std::uint32_t mask) {
+  std::string text = define("kSlots", static_cast<int>(kSlots));
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    if ((mask >> i & 1u) == 0) continue;
+    const std::string name = kSlotNames[i];
+    const std::string uv = key.is_plain_uv ? "v_uv.xy" : "slot_uv(" + std::to_string(i) + ")";
+    text += define("HAS_" + name) + "uniform sampler2D " + name + "_texture;\n#define " + name + "_texel() texture(" +
+            name + "_texture, " + uv + ")\n";
+  }
+  return text;
+}
+
+std::string mesh_preamble(const MaterialKey& key, const PassKey& pass) {
+  std::string text = slots_text(key, key.slots) + define("LOBES", key.lobes) + define("kMostLights", kMostLights) +
+                     define("kMostShadows", kMostShadows);
+  const auto add = [&text](bool is_wanted, const char* name) {
+    if (is_wanted) text += define(name);
+  };
+  const auto has = [&key](int lobe) { return (key.lobes & lobe) != 0; };
+  add(key.has_tangents, "HAS_TANGENT");
+  add(key.has_colors, "HAS_COLOR");
+  add(key.has_body, "HAS_BODY");
+  add(key.is_unlit, "IS_UNLIT");
+  add(key.is_specular_glossiness, "IS_SPECULAR_GLOSSINESS");
+  add(key.lobes != 0, "HAS_LAYERS");
+  add(has(shade::kLobeAnisotropy) && key.has_tangents, "HAS_ANISOTROPY");
+  add(has(shade::kLobeTransmission), "HAS_TRANSMISSION");
+  add(has(shade::kLobeDiffuseTransmission), "HAS_BELOW");
+  add(has(shade::kLobeSheen), "HAS_SHEEN");
+  add(has(shade::kLobeClearcoat), "HAS_COAT");
+  add(key.alpha_mode == AlphaMode::mask, "ALPHA_MASK");
+  add(key.alpha_mode == AlphaMode::mask && pass.has_coverage, "ALPHA_TO_COVERAGE");
+  add(key.alpha_mode == AlphaMode::blend, "ALPHA_BLEND");
+  add(pass.has_lights, "HAS_LIGHTS");
+  add(pass.has_sheen_light, "HAS_SHEEN_LIGHT");
+  add(pass.has_opaque_picture, "HAS_OPAQUE_PICTURE");
+  if (key.emissive > 0) text += define("IS_EMISSIVE", key.emissive);
+  static constexpr std::array<const char*, 6> kQuantities = {"",           "SHOW_ALBEDO",   "SHOW_NORMAL",
+                                                             "SHOW_DEPTH", "SHOW_POSITION", "SHOW_OBJECT_ID"};
+  if (pass.quantity != Quantity::light) {
+    text += define("HAS_QUANTITY") + define(kQuantities[static_cast<std::size_t>(pass.quantity)]);
+  }
+  return text;
+}
+
+}  // namespace
+
+const char* slot_name(std::size_t i) { return kSlotNames[i]; }
+
+Programs::Programs(std::string folder)
+    : reader_(folder.empty() ? gl::ShaderText::Reader(read_embedded) : gl::read_from_folder(std::move(folder))) {}
+
+void Programs::reload() {
+  mesh_.clear();
+  depth_.clear();
+  background_.reset();
+}
+
+std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const std::string& fragment,
+                                               const std::string& preamble, std::uint32_t slots) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto text_of = [&](const std::string& name) {
+    gl::ShaderText text(reader_);
+    text.add_text("defines of " + name, preamble);
+    text.add_header(name);
+    return text;
+  };
+  const gl::ShaderText vertex_text = text_of(vertex), fragment_text = text_of(fragment);
+  std::unique_ptr<gl::Program> program;
+  try {
+    program = std::make_unique<gl::Program>(vertex_text.text(), fragment_text.text());
+  } catch (const Error& error) {
+    const gl::ShaderText& text = error.where() == "vertex" ? vertex_text : fragment_text;
+    throw Error("the driver refuses a shader: " + text.explain(error.message()),
+                error.where() == "vertex" ? vertex : fragment);
+  }
+  program->bind_block("Frame", kFrameBinding);
+  program->bind_block("Material", kMaterialBinding);
+  program->bind_block("Lights", kLightsBinding);
+  glUseProgram(program->id());
+  static constexpr std::array<std::pair<const char*, int>, 7> kShared = {{{"shade_table_texels", kTableUnit},
+                                                                          {"specular_light", kSpecularUnit},
+                                                                          {"diffuse_light", kDiffuseUnit},
+                                                                          {"sheen_light", kSheenUnit},
+                                                                          {"shadow_maps", kShadowUnit},
+                                                                          {"light_profiles", kProfileUnit},
+                                                                          {"opaque_picture", kPictureUnit}}};
+  for (const auto& [name, unit] : kShared) glUniform1i(program->uniform(name), unit);
+  int unit = kFirstSlotUnit;
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    if ((slots >> i & 1u) != 0) glUniform1i(program->uniform(std::string(kSlotNames[i]) + "_texture"), unit++);
+  }
+  compile_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return program;
+}
+
+const gl::Program& Programs::mesh(const MaterialKey& material, const PassKey& pass) {
+  std::unique_ptr<gl::Program>& program = mesh_[{material, pass}];
+  if (program == nullptr)
+    program = compile("mesh.vert.glsl", "mesh.frag.glsl", mesh_preamble(material, pass), material.slots);
+  return *program;
+}
+
+const gl::Program& Programs::depth(const MaterialKey& material) {
+  // All but the mask is the same to a shadow.
+  MaterialKey key;
+  key.alpha_mode = material.alpha_mode == AlphaMode::mask ? AlphaMode::mask : AlphaMode::opaque;
+  if (key.alpha_mode == AlphaMode::mask) {
+    key.slots = material.slots & (1u << kBaseColorSlot);
+    key.is_plain_uv = material.is_plain_uv;
+  }
+  std::unique_ptr<gl::Program>& program = depth_[key];
+  if (program == nullptr) {
+    const bool is_mask = key.alpha_mode == AlphaMode::mask;
+    program = compile("depth.vert.glsl", "depth.frag.glsl",
+                      slots_text(key, key.slots) + (is_mask ? define("ALPHA_MASK") : ""), key.slots);
+  }
+  return *program;
+}
+
+const gl::Program& Programs::background() {
+  if (background_ == nullptr) background_ = compile("fullscreen.vert.glsl", "background.frag.glsl", "", 0);
+  return *background_;
+}
+
+}  // namespace candela::raster

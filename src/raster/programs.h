@@ -1,0 +1,86 @@
+#pragma once
+
+#include <compare>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "gl/gl.h"
+#include "gl/shader_text.h"
+#include "raster/blocks.h"
+
+namespace candela::raster {
+
+/// What the picture shows: light, or one quantity that a shader knows on its way to it.
+enum class Quantity { light, albedo, normal, depth, position, object_id };
+
+/// What of a material decides the text of its shader; everything else is data.
+struct MaterialKey {
+  int lobes = 0;
+  std::uint32_t slots = 0;  ///< bit i: texture_slots(material)[i] is there
+  bool has_tangents = false;
+  bool has_colors = false;
+  bool has_body = false;
+  bool is_unlit = false;
+  bool is_specular_glossiness = false;
+  bool is_plain_uv = false;  ///< every slot reads the first set as it is
+  int emissive = 0;          ///< 1: the front, 2: both sides
+  AlphaMode alpha_mode = AlphaMode::opaque;
+
+  auto operator<=>(const MaterialKey&) const = default;
+};
+
+/// What of a pass does.
+struct PassKey {
+  bool has_lights = false;
+  bool has_sheen_light = false;
+  bool has_opaque_picture = false;
+  bool has_coverage = false;  ///< masks become coverage of several samples
+  Quantity quantity = Quantity::light;
+
+  auto operator<=>(const PassKey&) const = default;
+};
+
+/// Where textures are bound, the same in every program; a material's own follow.
+enum Unit : int {
+  kTableUnit,
+  kSpecularUnit,
+  kDiffuseUnit,
+  kSheenUnit,
+  kShadowUnit,
+  kProfileUnit,
+  kPictureUnit,
+  kFirstSlotUnit
+};
+
+/// The programs, each compiled when it is first asked for.
+class Programs {
+ public:
+  /// `folder` holds shaders to be read instead of those in the program: its files by name, src/shade's as shade/….
+  explicit Programs(std::string folder = {});
+
+  const gl::Program& mesh(const MaterialKey& material, const PassKey& pass);
+  /// Depth alone, for shadows.
+  const gl::Program& depth(const MaterialKey& material);
+  const gl::Program& background();
+
+  /// Forgets what was compiled, so that changed files are read again.
+  void reload();
+  std::size_t count() const { return mesh_.size() + depth_.size() + (background_ ? 1 : 0); }
+  double compile_s() const { return compile_s_; }
+
+ private:
+  std::unique_ptr<gl::Program> compile(const std::string& vertex, const std::string& fragment,
+                                       const std::string& preamble, std::uint32_t slots);
+
+  gl::ShaderText::Reader reader_;
+  std::map<std::pair<MaterialKey, PassKey>, std::unique_ptr<gl::Program>> mesh_;
+  std::map<MaterialKey, std::unique_ptr<gl::Program>> depth_;
+  std::unique_ptr<gl::Program> background_;
+  double compile_s_ = 0.0;
+};
+
+/// The sampler of texture_slots(material)[i] in the shaders.
+const char* slot_name(std::size_t i);
+
+}  // namespace candela::raster

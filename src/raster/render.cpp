@@ -1,0 +1,122 @@
+#include "raster/render.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "gl/gl.h"
+#include "raster/renderer.h"
+#include "shade/diffuse.glsl.h"
+#include "shade/surface_params.glsl.h"
+
+namespace candela::raster {
+
+namespace {
+
+class Stopwatch {
+ public:
+  /// Seconds since the last call.
+  double lap() {
+    const auto now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_ = Clock::now();
+};
+
+/// Points of the plastic number's lattice, which fill a square evenly however many there are. Roberts 2018, "The
+/// Unreasonable Effectiveness of Quasirandom Sequences".
+vec2 lattice_point(int i, vec2 start) {
+  constexpr double kX = 0.7548776662466927, kY = 0.5698402909980532;
+  return {static_cast<float>(std::fmod(static_cast<double>(start.x) + kX * i, 1.0)),
+          static_cast<float>(std::fmod(static_cast<double>(start.y) + kY * i, 1.0))};
+}
+
+bool has_light(const Environment& environment) {
+  return environment.intensity > 0.0f && (environment.map != nullptr || max_component(environment.constant) > 0.0f);
+}
+
+bool uses_sheen(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& m) { return max_component(m.sheen_color) > 0.0f && !m.unlit; });
+}
+
+/// cos⁴ of the angle to the axis, as far as the lens has it.
+void apply_vignetting(const View& view, Image& image) {
+  const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
+  if (view.lens.vignetting <= 0.0f || perspective == nullptr) return;
+  const float half = std::tan(0.5f * perspective->yfov);
+  const vec2 size(image.width, image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const vec2 p = (2.0f * (vec2(x, y) + 0.5f) / size - 1.0f) * vec2(half * size.x / size.y, half);
+      const float cos2 = 1.0f / (1.0f + glm::dot(p, p));
+      const float weight = glm::mix(1.0f, cos2 * cos2, view.lens.vignetting);
+      for (int c = 0; c < 3; ++c) image.pixels[image.index(x, y) + static_cast<std::size_t>(c)] *= weight;
+    }
+  }
+}
+
+}  // namespace
+
+std::uint64_t picture_bytes(const Settings& settings) {
+  const auto pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
+  // Colour of half floats and depth per sample, two resolved pictures with mips, three copies in floats, the layers.
+  const auto samples = static_cast<std::uint64_t>(settings.msaa);
+  return pixels * (samples * 12 + 24 + 48 + film_bytes_per_pixel(settings.layers));
+}
+
+Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
+            Diagnostics& diagnostics, Statistics* statistics) {
+  Statistics ignored;
+  Statistics& s = statistics != nullptr ? *statistics : ignored;
+  Stopwatch watch;
+  const auto context = gl::Context::open();
+  s.driver = context->renderer();
+  s.open_s = watch.lap();
+
+  BakedLight light;
+  if (has_light(environment)) light = bake_light(environment, uses_sheen(scene), settings.cache);
+  s.is_light_cached = light.is_cached;
+  s.light_s = watch.lap();
+
+  Renderer renderer(scene, environment, light, settings, diagnostics);
+  glFinish();
+  s.upload_s = watch.lap();
+  renderer.begin(view);
+  glFinish();
+  s.shadow_s = watch.lap();
+
+  Film film;
+  film.beauty = Image(settings.width, settings.height, 4);
+  for (int frame = 0; frame < settings.frames; ++frame) {
+    const bool is_still = settings.frames > 1;
+    const vec2 jitter = is_still ? lattice_point(frame, vec2(0.5f)) - 0.5f : vec2(0.0f);
+    const vec3 lens = is_still ? shade::cosine_sample(lattice_point(frame, vec2(0.25f, 0.75f))) : vec3(0.0f);
+    renderer.draw(view, jitter, vec2(lens));
+    const Image picture = renderer.read();
+    const float share = 1.0f / static_cast<float>(settings.frames);
+    for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
+      const float* p = picture.pixels.data() + i;
+      const bool is_good = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]) && std::isfinite(p[3]);
+      if (!is_good) ++s.non_finite_pixels;
+      for (std::size_t c = 0; c < 4; ++c) film.beauty.pixels[i + c] += is_good ? share * p[c] : 0.0f;
+    }
+  }
+  apply_vignetting(view, film.beauty);
+  for (const Layer layer : settings.layers) film.layers[layer] = renderer.read_layer(view, layer);
+  s.compile_s = renderer.programs().compile_s();
+  s.frame_s = watch.lap() - s.compile_s;
+  s.frames = settings.frames;
+  s.programs = static_cast<int>(renderer.programs().count());
+  s.triangles = renderer.scene().triangle_count();
+  s.draws = renderer.scene().draws().size();
+  return film;
+}
+
+}  // namespace candela::raster

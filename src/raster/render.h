@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "base/diagnostics.h"
+#include "image/film.h"
+#include "scene/scene.h"
+#include "scene/view.h"
+#include "shade/model.glsl.h"
+
+/// The real-time renderer: OpenGL ES 3.0, on a GPU or on a processor, without a window.
+namespace candela::raster {
+
+enum class Background { environment, transparent };
+
+struct Settings {
+  int width = 1280;
+  int height = 720;
+  int frames = 1;  ///< of a still, each jittered within the pixel and over the lens; their mean is the picture
+  int msaa = 4;    ///< samples per pixel of each frame: 1, 2, 4 or what the driver has
+  Background background = Background::environment;
+  shade::ShadingModel shading = shade::shading_model_candela();
+  std::set<Layer> layers{};
+  std::filesystem::path cache{};  ///< folder of baked environments; empty = none is kept
+  std::string shader_folder{};    ///< read instead of the shaders in the program; empty = those
+};
+
+struct Statistics {
+  std::string driver;
+  bool is_light_cached = false;
+  double open_s = 0.0;    ///< the context
+  double light_s = 0.0;   ///< baking or reading the environment
+  double upload_s = 0.0;  ///< scene and environment to the driver
+  double compile_s = 0.0;
+  double shadow_s = 0.0;
+  double frame_s = 0.0;  ///< all frames, reading back included
+  int frames = 0;
+  int programs = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t draws = 0;
+  std::uint64_t non_finite_pixels = 0;  ///< must be 0; each is black in the picture
+};
+
+/// Draws `scene` under `environment`. Opens an OpenGL context of its own and closes it. Throws Error where there is
+/// none, or where the driver refuses a shader or runs out of memory.
+Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
+            Diagnostics& diagnostics, Statistics* statistics = nullptr);
+
+/// Most bytes of main memory that the picture takes while it is drawn by a processor.
+std::uint64_t picture_bytes(const Settings& settings);
+
+}  // namespace candela::raster

@@ -1,0 +1,452 @@
+#include "raster/renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "ibl/source.h"
+#include "shade/surface_params.glsl.h"
+#include "shade/tables.glsl.h"
+
+namespace candela::raster {
+
+namespace {
+
+// A sun is a disc; a mirror that reflects it as a point would show nothing. α of at least half its radius convolves the
+// lobe with it: 0.00465 / 2.
+constexpr float kLeastSunRoughness = 0.0482f;
+
+void filter(GLenum target, GLint min, GLint mag) {
+  glTexParameteri(target, GL_TEXTURE_MIN_FILTER, min);
+  glTexParameteri(target, GL_TEXTURE_MAG_FILTER, mag);
+}
+
+void wrap(GLenum target, GLint s, GLint t) {
+  glTexParameteri(target, GL_TEXTURE_WRAP_S, s);
+  glTexParameteri(target, GL_TEXTURE_WRAP_T, t);
+}
+
+void bind(int unit, GLenum target, GLuint texture) {
+  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  glBindTexture(target, texture);
+  glBindSampler(static_cast<GLuint>(unit), 0);
+}
+
+void check_framebuffer(const char* what) {
+  const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE) {
+    throw Error("the driver cannot draw into " + std::string(what) + " (status " + std::to_string(status) + ")");
+  }
+}
+
+/// Whether a box lies wholly outside one plane of what the camera sees.
+bool is_outside(const mat4& clip_from_world, const Box3& box) {
+  std::array<int, 6> outside{};
+  for (int i = 0; i < 8; ++i) {
+    const vec4 c =
+        clip_from_world * vec4((i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
+                               (i & 4) != 0 ? box.upper.z : box.lower.z, 1.0f);
+    for (int axis = 0; axis < 3; ++axis) {
+      outside[static_cast<std::size_t>(2 * axis)] += c[axis] < -c.w ? 1 : 0;
+      outside[static_cast<std::size_t>(2 * axis + 1)] += c[axis] > c.w ? 1 : 0;
+    }
+  }
+  return std::any_of(outside.begin(), outside.end(), [](int n) { return n == 8; });
+}
+
+gl::Texture upload_panorama(const Image* map) {
+  gl::Texture texture;
+  glBindTexture(GL_TEXTURE_2D, texture);
+  if (map == nullptr) {
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, 1, 1, 0, GL_RGBA, GL_FLOAT, nullptr);
+  } else {
+    constexpr float kMostHalf = 65504.0f;
+    std::vector<float> rgba(static_cast<std::size_t>(map->width) * static_cast<std::size_t>(map->height) * 4, 1.0f);
+    for (int y = 0; y < map->height; ++y) {
+      for (int x = 0; x < map->width; ++x) {
+        const vec3 v = glm::min(map->rgb(x, y), vec3(kMostHalf));
+        float* p = rgba.data() + 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(map->width) +
+                                      static_cast<std::size_t>(x));
+        p[0] = v.x, p[1] = v.y, p[2] = v.z;
+      }
+    }
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, map->width, map->height, 0, GL_RGBA, GL_FLOAT, rgba.data());
+  }
+  filter(GL_TEXTURE_2D, GL_LINEAR, GL_LINEAR);
+  wrap(GL_TEXTURE_2D, GL_REPEAT, GL_CLAMP_TO_EDGE);
+  gl::check("uploading the environment");
+  return texture;
+}
+
+}  // namespace
+
+Renderer::Renderer(const Scene& scene, const Environment& environment, const BakedLight& light,
+                   const Settings& settings, Diagnostics& diagnostics)
+    : scene_(scene),
+      environment_(environment),
+      settings_(settings),
+      diagnostics_(diagnostics),
+      programs_(settings.shader_folder),
+      gpu_(scene, settings.shading, diagnostics) {
+  if (!gl::has_extension("GL_EXT_color_buffer_float") && !gl::has_extension("GL_EXT_color_buffer_half_float")) {
+    throw Error("the driver cannot draw into floating-point pictures (GL_EXT_color_buffer_float)");
+  }
+  has_light_ = !light.specular.empty();
+  if (has_light_) {
+    light_levels_ = static_cast<int>(light.specular.levels.size());
+    specular_ = upload_cube(light.specular);
+    diffuse_ = upload_cube(cube_of_one_level(light.irradiance));
+    if (!light.sheen.empty()) sheen_ = upload_cube(light.sheen);
+  }
+  const Image* seen = environment.backdrop != nullptr ? environment.backdrop.get() : environment.map.get();
+  panorama_ = upload_panorama(settings.background == Background::environment ? seen : nullptr);
+  profiles_ = upload_profiles(scene);
+  upload_table();
+  make_targets();
+}
+
+void Renderer::upload_table() {
+  constexpr int kWidth = 256;  // as shade_table() reads it
+  const int height = (shade::kTableCount + kWidth - 1) / kWidth;
+  std::vector<float> texels(shade::kTableEntries, shade::kTableEntries + shade::kTableCount);
+  texels.resize(static_cast<std::size_t>(kWidth) * static_cast<std::size_t>(height));
+  glBindTexture(GL_TEXTURE_2D, table_);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, kWidth, height, 0, GL_RED, GL_FLOAT, texels.data());
+  filter(GL_TEXTURE_2D, GL_NEAREST, GL_NEAREST);
+  gl::check("uploading the tables");
+}
+
+void Renderer::make_targets() {
+  const int w = settings_.width, h = settings_.height;
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
+  if (std::max(w, h) > most)
+    throw Error("the driver draws no more than " + std::to_string(most) + " pixels a side", "--size");
+  GLint most_samples = 1;
+  glGetInternalformativ(GL_RENDERBUFFER, GL_RGBA16F, GL_SAMPLES, 1, &most_samples);
+  const int samples = std::min(settings_.msaa, most_samples) <= 1 ? 0 : std::min(settings_.msaa, most_samples);
+
+  glBindRenderbuffer(GL_RENDERBUFFER, target_.color);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
+  glBindRenderbuffer(GL_RENDERBUFFER, target_.depth);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT24, w, h);
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_.color);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target_.depth);
+  check_framebuffer("half floats");
+  settings_.msaa = std::max(samples, 1);
+
+  const auto make_picture = [&](const gl::Texture& texture, const gl::Framebuffer& framebuffer, GLint min) {
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, w, h, 0, GL_RGBA, GL_FLOAT, nullptr);
+    filter(GL_TEXTURE_2D, min, GL_LINEAR);
+    wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+    check_framebuffer("half floats");
+  };
+  make_picture(resolved_, resolved_framebuffer_, GL_LINEAR);
+  if (gpu_.has_lobe(shade::kLobeTransmission)) {
+    make_picture(opaque_picture_, picture_framebuffer_, GL_LINEAR_MIPMAP_LINEAR);
+    picture_levels_ = 1 + static_cast<int>(std::log2(static_cast<float>(std::max(w, h))));
+  }
+  gl::check("making the picture");
+}
+
+void Renderer::begin(const View& view) {
+  const FrameCamera camera = frame_camera(view, settings_.width, settings_.height, gpu_.bounds());
+  lights_ = collect_lights(scene_, environment_, gpu_.bounds(), camera, diagnostics_);
+  glBindBuffer(GL_UNIFORM_BUFFER, lights_block_);
+  glBufferData(GL_UNIFORM_BUFFER, sizeof lights_.block, &lights_.block, GL_DYNAMIC_DRAW);
+  draw_shadows();
+}
+
+void Renderer::draw_shadows() {
+  glBindTexture(GL_TEXTURE_2D_ARRAY, shadows_);
+  const GLsizei layers = std::max(lights_.shadow_count, 1), size = lights_.shadow_count > 0 ? lights_.shadow_size : 1;
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT32F, size, size, layers, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
+               nullptr);
+  filter(GL_TEXTURE_2D_ARRAY, GL_LINEAR, GL_LINEAR);
+  wrap(GL_TEXTURE_2D_ARRAY, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  gl::check("making shadow maps");
+  if (lights_.shadow_count == 0) return;
+
+  glBindFramebuffer(GL_FRAMEBUFFER, shadow_framebuffer_);
+  glViewport(0, 0, size, size);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1.0f, 1.0f);
+  for (int layer = 0; layer < lights_.shadow_count; ++layer) {
+    glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadows_, 0, layer);
+    const GLenum none = GL_NONE;
+    glDrawBuffers(1, &none);
+    glClearDepthf(1.0f);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    const mat4& clip_from_world = lights_.block.shadow_from_world[static_cast<std::size_t>(layer)];
+    for (std::size_t i = 0; i < gpu_.draws().size(); ++i) {
+      const Draw& d = gpu_.draws()[i];
+      const GpuMaterial& material = gpu_.material_of(d);
+      // What lets light through casts no hard shadow.
+      if (material.key.alpha_mode == AlphaMode::blend || material.is_transmissive()) continue;
+      if (is_outside(clip_from_world, d.bounds)) continue;
+      const gl::Program& program = programs_.depth(material.key);
+      glUseProgram(program.id());
+      glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &clip_from_world[0][0]);
+      if (material.key.alpha_mode == AlphaMode::mask) gpu_.bind_mask(material);
+      gpu_.draw(i);
+    }
+  }
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  gl::check("drawing shadows");
+}
+
+void Renderer::bind_shared(const FrameCamera& camera) {
+  FrameBlock block;
+  block.clip_from_world = camera.clip_from_world;
+  block.eye = vec4(camera.eye, camera.is_perspective ? 1.0f : 0.0f);
+  block.back = vec4(camera.back, 0.0f);
+  block.light = {static_cast<float>(light_levels_), has_light_ ? 1.0f : 0.0f,
+                 lights_.has_suns ? kLeastSunRoughness : 0.0f, 0.0f};
+  block.target = {static_cast<float>(settings_.width), static_cast<float>(settings_.height),
+                  static_cast<float>(picture_levels_), 0.0f};
+  block.counts = {lights_.count, 0, 0, 0};
+  glBindBuffer(GL_UNIFORM_BUFFER, frame_block_);
+  glBufferData(GL_UNIFORM_BUFFER, sizeof block, &block, GL_DYNAMIC_DRAW);
+  glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, frame_block_);
+  glBindBufferBase(GL_UNIFORM_BUFFER, kLightsBinding, lights_block_);
+  bind(kTableUnit, GL_TEXTURE_2D, table_);
+  bind(kSpecularUnit, GL_TEXTURE_CUBE_MAP, specular_);
+  bind(kDiffuseUnit, GL_TEXTURE_CUBE_MAP, diffuse_);
+  bind(kSheenUnit, GL_TEXTURE_CUBE_MAP, sheen_);
+  bind(kShadowUnit, GL_TEXTURE_2D_ARRAY, shadows_);
+  bind(kProfileUnit, GL_TEXTURE_2D_ARRAY, profiles_);
+  bind(kPictureUnit, GL_TEXTURE_2D, opaque_picture_);
+}
+
+void Renderer::draw_background(const FrameCamera& camera) {
+  const gl::Program& program = programs_.background();
+  glUseProgram(program.id());
+  bind(kFirstSlotUnit, GL_TEXTURE_2D, panorama_);
+  const mat4 world_from_clip = glm::inverse(camera.clip_from_world);
+  glUniform1i(program.uniform("panorama"), kFirstSlotUnit);
+  glUniformMatrix4fv(program.uniform("world_from_clip"), 1, GL_FALSE, &world_from_clip[0][0]);
+  const bool has_map = environment_.map != nullptr || environment_.backdrop != nullptr;
+  glUniform4f(program.uniform("panorama_turn"), std::cos(environment_.rotation), std::sin(environment_.rotation),
+              environment_.intensity, has_map ? 1.0f : 0.0f);
+  const vec3 constant = environment_.constant * environment_.intensity;
+  glUniform3fv(program.uniform("constant_light"), 1, &constant.x);
+  constexpr std::size_t kMostSuns = 4;
+  std::array<vec4, kMostSuns> directions{};
+  std::array<vec3, kMostSuns> radiances{};
+  std::size_t count = 0;
+  if (!environment_.suns.empty()) {
+    Environment suns = environment_;
+    suns.map = nullptr;
+    for (const SunDisc& sun : ibl::make_source(suns).suns) {
+      if (count == kMostSuns) break;
+      directions[count] = vec4(sun.direction, std::cos(sun.angular_radius));
+      radiances[count++] = glm::min(sun.radiance, vec3(60000.0f));
+    }
+  }
+  glUniform1i(program.uniform("sun_count"), static_cast<GLint>(count));
+  glUniform4fv(program.uniform("sun_directions"), kMostSuns, &directions[0].x);
+  glUniform3fv(program.uniform("sun_radiances"), kMostSuns, &radiances[0].x);
+  glBindVertexArray(nothing_);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glDepthMask(GL_FALSE);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthMask(GL_TRUE);
+}
+
+void Renderer::draw_one(std::size_t index, const PassKey& pass) {
+  const Draw& d = gpu_.draws()[index];
+  const GpuMaterial& material = gpu_.material_of(d);
+  const gl::Program& program = programs_.mesh(material.key, pass);
+  glUseProgram(program.id());
+  if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.node + 1));
+  gpu_.bind_material(material);
+  gpu_.draw(index);
+}
+
+void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera) {
+  for (const std::size_t i : order) {
+    const Draw& d = gpu_.draws()[i];
+    if (is_outside(camera.clip_from_world, d.bounds)) continue;
+    const GpuMaterial& material = gpu_.material_of(d);
+    const bool is_blended = material.key.alpha_mode == AlphaMode::blend && pass.quantity == Quantity::light;
+    if (!material.is_double_sided) {
+      glEnable(GL_CULL_FACE);
+      glCullFace(GL_BACK);
+      draw_one(i, pass);
+    } else if (is_blended) {
+      // Far sides before near ones.
+      glEnable(GL_CULL_FACE);
+      for (const GLenum side : {GLenum{GL_FRONT}, GLenum{GL_BACK}}) {
+        glCullFace(side);
+        draw_one(i, pass);
+      }
+    } else {
+      glDisable(GL_CULL_FACE);
+      draw_one(i, pass);
+    }
+  }
+}
+
+void Renderer::resolve(GLuint framebuffer) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.framebuffer);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  glBlitFramebuffer(0, 0, settings_.width, settings_.height, 0, 0, settings_.width, settings_.height,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
+  const FrameCamera camera = frame_camera(view, settings_.width, settings_.height, gpu_.bounds(), jitter, aperture);
+  bind_shared(camera);
+
+  // ----- what is drawn when
+  std::vector<std::size_t> opaque, transmissive, blended;
+  for (std::size_t i = 0; i < gpu_.draws().size(); ++i) {
+    const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
+    if (material.key.alpha_mode == AlphaMode::blend) {
+      blended.push_back(i);
+    } else if (material.is_transmissive()) {
+      transmissive.push_back(i);
+    } else {
+      opaque.push_back(i);
+    }
+  }
+  const auto depth = [&](std::size_t i) { return glm::dot(camera.eye - gpu_.draws()[i].center, camera.back); };
+  const auto near_first = [&](std::size_t a, std::size_t b) { return depth(a) < depth(b); };
+  const auto far_first = [&](std::size_t a, std::size_t b) { return depth(a) > depth(b); };
+  std::stable_sort(opaque.begin(), opaque.end(), near_first);
+  std::stable_sort(transmissive.begin(), transmissive.end(), far_first);
+  std::stable_sort(blended.begin(), blended.end(), far_first);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  glViewport(0, 0, settings_.width, settings_.height);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  glClearDepthf(1.0f);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+
+  PassKey pass;
+  pass.has_lights = lights_.count > 0;
+  pass.has_sheen_light = gpu_.has_lobe(shade::kLobeSheen) && has_light_;
+  pass.has_coverage = settings_.msaa > 1;
+  if (pass.has_coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  draw_surfaces(opaque, pass, camera);
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  pass.has_coverage = false;
+  if (settings_.background == Background::environment) draw_background(camera);
+
+  if (!transmissive.empty() || !blended.empty()) {
+    pass.has_opaque_picture = gpu_.has_lobe(shade::kLobeTransmission);
+    if (pass.has_opaque_picture) {
+      resolve(picture_framebuffer_);
+      glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+      bind(kPictureUnit, GL_TEXTURE_2D, opaque_picture_);
+      glGenerateMipmap(GL_TEXTURE_2D);
+    }
+    draw_surfaces(transmissive, pass, camera);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glDepthMask(GL_FALSE);
+    draw_surfaces(blended, pass, camera);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+  }
+  resolve(resolved_framebuffer_);
+  gl::check("drawing");
+}
+
+namespace {
+
+Image read_pixels(int width, int height) {
+  Image image(width, height, 4);
+  std::vector<float> row(static_cast<std::size_t>(width) * 4);
+  std::vector<float> all(image.pixels.size());
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, all.data());
+  gl::check("reading the picture");
+  const std::size_t stride = row.size();
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
+    std::copy_n(all.data() + (static_cast<std::size_t>(height) - 1 - y) * stride, stride,
+                image.pixels.data() + y * stride);
+  }
+  return image;
+}
+
+Quantity quantity_of(Layer layer) {
+  switch (layer) {
+    case Layer::albedo:
+      return Quantity::albedo;
+    case Layer::normal:
+      return Quantity::normal;
+    case Layer::depth:
+      return Quantity::depth;
+    case Layer::position:
+      return Quantity::position;
+    case Layer::object_id:
+      return Quantity::object_id;
+  }
+  return Quantity::light;
+}
+
+}  // namespace
+
+Image Renderer::read() {
+  glBindFramebuffer(GL_FRAMEBUFFER, resolved_framebuffer_);
+  return read_pixels(settings_.width, settings_.height);
+}
+
+Image Renderer::read_layer(const View& view, Layer layer) {
+  const FrameCamera camera = frame_camera(view, settings_.width, settings_.height, gpu_.bounds());
+  bind_shared(camera);
+  Target target;
+  glBindRenderbuffer(GL_RENDERBUFFER, target.color);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, settings_.width, settings_.height);
+  glBindRenderbuffer(GL_RENDERBUFFER, target.depth);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, settings_.width, settings_.height);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
+  check_framebuffer("floats");
+  glViewport(0, 0, settings_.width, settings_.height);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  const float nothing = layer == Layer::depth ? kInfinity : 0.0f;
+  const std::array<float, 4> clear = {nothing, nothing, nothing, 0.0f};
+  glClearBufferfv(GL_COLOR, 0, clear.data());
+  glClearDepthf(1.0f);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  std::vector<std::size_t> all(gpu_.draws().size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+  PassKey pass;
+  pass.quantity = quantity_of(layer);
+  draw_surfaces(all, pass, camera);
+  const Image rgba = read_pixels(settings_.width, settings_.height);
+  const int channels = layer == Layer::depth || layer == Layer::object_id ? 1 : 3;
+  Image image(settings_.width, settings_.height, channels);
+  for (std::size_t i = 0; i < rgba.pixels.size() / 4; ++i) {
+    for (int c = 0; c < channels; ++c) {
+      image.pixels[i * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] =
+          rgba.pixels[4 * i + static_cast<std::size_t>(c)];
+    }
+  }
+  return image;
+}
+
+}  // namespace candela::raster

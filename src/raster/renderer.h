@@ -1,0 +1,69 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "raster/camera.h"
+#include "raster/gpu_scene.h"
+#include "raster/image_light.h"
+#include "raster/lights.h"
+#include "raster/render.h"
+
+namespace candela::raster {
+
+/// Draws frames of one scene under one environment into buffers of its own. Needs a current gl::Context. What sits on
+/// it decides when to draw and where a frame goes.
+class Renderer {
+ public:
+  /// `scene` and `environment` must outlive it.
+  Renderer(const Scene& scene, const Environment& environment, const BakedLight& light, const Settings& settings,
+           Diagnostics& diagnostics);
+
+  /// Places lights and draws their shadows for a view; once per view, before its frames.
+  void begin(const View& view);
+  /// Draws one frame; see frame_camera for `jitter` and `aperture`.
+  void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f));
+  /// The last frame: linear, 4 channels, premultiplied, row 0 at the top.
+  Image read();
+  /// One quantity of the first surface at each pixel's centre; 0 where there is none (depth: infinity).
+  Image read_layer(const View& view, Layer layer);
+
+  const GpuScene& scene() const { return gpu_; }
+  Programs& programs() { return programs_; }
+
+ private:
+  /// A picture to draw into.
+  struct Target {
+    gl::Framebuffer framebuffer;
+    gl::Renderbuffer color, depth;
+  };
+
+  void make_targets();
+  void upload_table();
+  void bind_shared(const FrameCamera& camera);
+  void draw_shadows();
+  void draw_background(const FrameCamera& camera);
+  /// Draws those of `order` with the programs of `pass`.
+  void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
+  void draw_one(std::size_t index, const PassKey& pass);
+  void resolve(GLuint framebuffer);
+
+  const Scene& scene_;
+  const Environment& environment_;
+  Settings settings_;
+  Diagnostics& diagnostics_;
+  Programs programs_;
+  GpuScene gpu_;
+  SceneLights lights_;
+  bool has_light_ = false;
+  int light_levels_ = 1;
+  int picture_levels_ = 1;
+  gl::Texture table_, specular_, diffuse_, sheen_, profiles_, shadows_, panorama_;
+  gl::Texture resolved_, opaque_picture_;
+  gl::Framebuffer resolved_framebuffer_, picture_framebuffer_, shadow_framebuffer_;
+  gl::Buffer frame_block_, lights_block_;
+  gl::VertexArray nothing_;
+  Target target_;
+};
+
+}  // namespace candela::raster

@@ -1,0 +1,459 @@
+#include "frame.glsl"
+#include "shade/image_light.glsl.h"
+#include "shade/workflow.glsl.h"
+#include "material.glsl"
+#ifdef HAS_LIGHTS
+#include "lights.glsl"
+#endif
+
+in vec3 v_position;
+in vec3 v_normal;
+#ifdef HAS_TANGENT
+in vec4 v_tangent;
+#endif
+#ifdef HAS_COLOR
+in vec4 v_color;
+#endif
+#ifdef HAS_BODY
+flat in float v_scale;
+#endif
+
+uniform highp samplerCube specular_light;
+uniform highp samplerCube diffuse_light;
+#ifdef HAS_SHEEN_LIGHT
+uniform highp samplerCube sheen_light;
+#endif
+#ifdef HAS_OPAQUE_PICTURE
+uniform highp sampler2D opaque_picture;
+#endif
+
+#ifdef SHOW_OBJECT_ID
+uniform float object_id;
+#endif
+
+layout(location = 0) out vec4 o_color;
+
+// ----- geometry
+
+struct Point {
+  vec3 wo;         // world
+  vec3 geometric;  // unit, on the viewer's side
+  vec3 vertex_normal;    // of the vertices
+  vec3 normal;     // mapped
+  vec3 coat_normal;
+  vec3 tangent;
+};
+
+/// Turns a shading normal just so far that the viewer is in front of it and its mirror direction is in front of the
+/// facet.
+vec3 keep_reflection_outside(vec3 ns, vec3 ng, vec3 wo) {
+  float cos_o = dot(ns, wo);
+  if (cos_o < 0.01) ns = normalize(ns + (0.01 - cos_o) * wo);
+  vec3 reflected = 2.0 * dot(ns, wo) * ns - wo;
+  float limit = min(0.9 * dot(ng, wo), 0.01);
+  float above = dot(reflected, ng);
+  if (above >= limit) return ns;
+  return normalize(wo + normalize(reflected + (limit - above) * ng));
+}
+
+vec3 mapped(vec4 texel, float scale, mat3 front, bool flip, vec3 ns, float side) {
+  vec3 l = texel.xyz * 2.0 - 1.0;
+  l.x *= scale;
+  l.y *= flip ? -scale : scale;
+  vec3 m = front * l;
+  float m2 = dot(m, m);
+  return m2 > 1e-12 ? m * (inversesqrt(m2) * side) : ns;
+}
+
+Point make_point(bool is_back) {
+  Point p;
+  p.wo = eye.w > 0.5 ? normalize(eye.xyz - v_position) : back.xyz;
+  vec3 ng = cross(dFdx(v_position), dFdy(v_position));
+  float ng2 = dot(ng, ng);
+  ng = ng2 > 0.0 ? ng * inversesqrt(ng2) : p.wo;
+  if (dot(ng, p.wo) < 0.0) ng = -ng;
+  p.geometric = ng;
+  float n2 = dot(v_normal, v_normal);
+  vec3 ns = n2 > 1e-12 ? v_normal * inversesqrt(n2) : ng;
+  if (dot(ns, ng) < 0.0) ns = -ns;
+  p.vertex_normal = ns;
+  p.coat_normal = ns;
+  p.tangent = vec3(0.0);
+#ifdef HAS_TANGENT
+  float side = is_back ? -1.0 : 1.0;
+  vec3 nf = ns * side;
+  vec3 t = v_tangent.xyz - nf * dot(nf, v_tangent.xyz);
+  float t2 = dot(t, t);
+  t = t2 > 1e-16 ? t * inversesqrt(t2) : shade_tangent(nf);
+  bool flip = v_tangent.w < 0.0;
+  mat3 front = mat3(t, cross(nf, t), nf);
+#ifdef HAS_clearcoat_normal
+  p.coat_normal = mapped(clearcoat_normal_texel(), coat.z, front, flip, ns, side);
+#endif
+#ifdef HAS_normal
+  ns = mapped(normal_texel(), specular_color.w, front, flip, ns, side);
+#endif
+  vec2 turn = anisotropy.yz;
+#ifdef HAS_anisotropy
+  vec2 d = anisotropy_texel().xy * 2.0 - 1.0;
+  turn = vec2(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y);
+#endif
+  p.tangent = front[0] * turn.x + (flip ? -front[1] : front[1]) * turn.y;
+#endif
+  p.normal = keep_reflection_outside(ns, ng, p.wo);
+  return p;
+}
+
+// ----- material
+
+float fetch_opacity() {
+  float a = base_color.a;
+#ifdef HAS_COLOR
+  a *= v_color.a;
+#endif
+#ifdef HAS_base_color
+  a *= base_color_texel().a;
+#endif
+  return a;
+}
+
+vec3 fetch_base_color() {
+  vec3 c = base_color.rgb;
+#ifdef HAS_COLOR
+  c *= v_color.rgb;
+#endif
+#ifdef HAS_base_color
+  c *= base_color_texel().rgb;
+#endif
+  return c;
+}
+
+SurfaceParams fetch_params() {
+  SurfaceParams p = surface_params_default();
+  p.lobes = LOBES;
+  p.base_color = fetch_base_color();
+  p.metallic = metallic_roughness.x;
+  p.roughness = metallic_roughness.y;
+  p.ior = metallic_roughness.z;
+  p.specular = metallic_roughness.w;
+  p.specular_color = specular_color.rgb;
+#ifdef HAS_metallic_roughness
+  vec4 mr = metallic_roughness_texel();
+  p.roughness *= mr.g;
+  p.metallic *= mr.b;
+#endif
+#ifdef HAS_specular
+  p.specular *= specular_texel().a;
+#endif
+#ifdef HAS_specular_color
+  p.specular_color *= specular_color_texel().rgb;
+#endif
+#ifdef IS_SPECULAR_GLOSSINESS
+#ifdef HAS_specular_glossiness
+  vec4 sg = specular_glossiness_texel();
+  p.specular_color *= sg.rgb;
+  p.roughness = 1.0 - (1.0 - p.roughness) * sg.a;
+#endif
+  float left = 1.0 - shade_max3(p.specular_color);
+  p.base_color = min(p.base_color * (left / (1.0 - kWorkflowF0)), vec3(1.0));
+#endif
+#ifdef HAS_LAYERS
+  p.anisotropy = anisotropy.x;
+#ifdef HAS_anisotropy
+  p.anisotropy *= anisotropy_texel().b;
+#endif
+  p.iridescence = film.x;
+  p.film_ior = film.y;
+  p.film_nm = film.w;
+#ifdef HAS_iridescence
+  p.iridescence *= iridescence_texel().r;
+#endif
+#ifdef HAS_iridescence_thickness
+  p.film_nm = mix(film.z, film.w, iridescence_thickness_texel().g);
+#endif
+  p.conductor_n = conductor_n.rgb;
+  p.conductor_k = conductor_k.rgb;
+  p.transmission = transmission.x;
+#ifdef HAS_transmission
+  p.transmission *= transmission_texel().r;
+#endif
+  p.is_thin = transmission.z > 0.5;
+  p.eta = metallic_roughness.z;
+  p.diffuse_transmission = transmission.w;
+  p.diffuse_transmission_color = below_color.rgb;
+#ifdef HAS_diffuse_transmission
+  p.diffuse_transmission *= diffuse_transmission_texel().a;
+#endif
+#ifdef HAS_diffuse_transmission_color
+  p.diffuse_transmission_color *= diffuse_transmission_color_texel().rgb;
+#endif
+  p.sheen_color = sheen.rgb;
+  p.sheen_roughness = sheen.a;
+#ifdef HAS_sheen_color
+  p.sheen_color *= sheen_color_texel().rgb;
+#endif
+#ifdef HAS_sheen_roughness
+  p.sheen_roughness *= sheen_roughness_texel().a;
+#endif
+  p.clearcoat = coat.x;
+  p.clearcoat_roughness = coat.y;
+#ifdef HAS_clearcoat
+  p.clearcoat *= clearcoat_texel().r;
+#endif
+#ifdef HAS_clearcoat_roughness
+  p.clearcoat_roughness *= clearcoat_roughness_texel().g;
+#endif
+#endif
+  return p;
+}
+
+/// Widens a lobe by how the normal turns within a pixel. Tokuyoshi & Kaplanyan 2021, "Stable Geometric Specular
+/// Antialiasing with Projected-Space NDF Filtering", with their constants.
+float antialiased_roughness(float roughness, vec3 n) {
+  vec3 dx = dFdx(n), dy = dFdy(n);
+  float variance = 0.25 * (dot(dx, dx) + dot(dy, dy));
+  float alpha = roughness_to_alpha(roughness);
+  return sqrt(sqrt(clamp(alpha * alpha + min(2.0 * variance, 0.18), 0.0, 1.0)));
+}
+
+// ----- light from far away
+
+vec3 prefiltered(vec3 direction, float alpha) {
+  return textureLod(specular_light, direction, image_light_level(alpha, light.x)).rgb;
+}
+
+vec3 mirrored_light(Point p, vec3 n, float alpha) {
+  vec3 r = 2.0 * dot(n, p.wo) * n - p.wo;
+  return prefiltered(image_light_dominant(n, r, alpha), alpha) * image_light_horizon(r, p.geometric);
+}
+
+float occlusion() {
+#ifdef HAS_occlusion
+  return 1.0 + coat.w * (occlusion_texel().r - 1.0);
+#else
+  return 1.0;
+#endif
+}
+
+#ifdef HAS_TRANSMISSION
+/// What is seen through the surface along a direction that leaves it at `exit` (world): the opaque picture, blurred by
+/// `alpha`, and where it shows nothing the light from far away.
+vec3 behind(vec3 exit, vec3 direction, float alpha) {
+  vec3 far = light.y > 0.5 ? prefiltered(direction, alpha) : vec3(0.0);
+#ifdef HAS_OPAQUE_PICTURE
+  vec4 clip = clip_from_world * vec4(exit, 1.0);
+  vec2 uv = clip.xy / clip.w * 0.5 + 0.5;
+  // A lobe of width α covers about α of the picture's height per unit of distance over depth.
+  float level = clamp(log2(max(target.y * alpha, 1.0)), 0.0, target.z - 1.0);
+  vec4 near = textureLod(opaque_picture, uv, level);
+  vec2 edge = smoothstep(vec2(0.0), vec2(0.04), uv) * (1.0 - smoothstep(vec2(0.96), vec2(1.0), uv));
+  float inside = clip.w > 0.0 ? edge.x * edge.y : 0.0;
+  return mix(far, near.rgb + (1.0 - near.a) * far, inside);
+#else
+  return far;
+#endif
+}
+
+vec3 transmitted_light(Point p, SurfaceParams params, float alpha) {
+  float thickness = 0.0;
+#ifdef HAS_BODY
+  thickness = transmission.y * v_scale;
+#ifdef HAS_thickness
+  thickness *= thickness_texel().g;
+#endif
+#endif
+  if (params.is_thin || thickness <= 0.0) return behind(v_position, -p.wo, alpha);
+  float n = max(params.ior, 1.0);
+  // The lobe narrows as the bend does.
+  float bent_alpha = alpha * clamp(2.0 * n - 2.0, 0.0, 1.0);
+  vec3 color;
+  // Abbe number 20 / dispersion between the lines F and C: half of n's spread to red and to blue.
+  float half_spread = 0.5 * (n - 1.0) * anisotropy.w / 20.0;
+  int rays = half_spread > 0.0 ? 3 : 1;
+  for (int i = 0; i < rays; ++i) {
+    float ni = n + half_spread * float(i - (rays == 3 ? 1 : 0));
+    vec3 inner = refract(-p.wo, p.normal, 1.0 / ni);
+    if (dot(inner, inner) < 0.5) inner = -p.wo;
+    vec3 seen = behind(v_position + inner * thickness, inner, bent_alpha);
+    if (rays == 1) {
+      color = seen;
+    } else if (i == 0) {
+      color.r = seen.r;
+    } else if (i == 1) {
+      color.g = seen.g;
+    } else {
+      color.b = seen.b;
+    }
+  }
+  return color * exp(-extinction.rgb * thickness);
+}
+#endif
+
+vec3 far_light(Point p, SurfaceParams params, Surface s, vec3 wo, mat3 frame) {
+  SurfaceShares shares = surface_shares(s, wo);
+  vec3 n = p.normal;
+  float visible = occlusion();
+  vec3 color = vec3(0.0);
+  if (light.y > 0.5) {
+    color = shares.diffuse * texture(diffuse_light, n).rgb * (visible / kShadePi);
+    vec3 bent = n;
+#ifdef HAS_ANISOTROPY
+    // The lobe is wide along x: the normal leans towards the viewer in the plane across it.
+    vec3 across = frame[1];
+    vec3 along_view = cross(across, p.wo);
+    vec3 anisotropic = normalize(cross(along_view, across));
+    bent = normalize(mix(n, anisotropic, shade_saturate(params.anisotropy * params.anisotropy)));
+    if (dot(bent, n) < 0.0) bent = n;
+#endif
+    float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
+    color += (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * specular_visible;
+#ifdef HAS_LAYERS
+#ifdef HAS_BELOW
+    color += shares.below * texture(diffuse_light, -n).rgb * (1.0 / kShadePi);
+#endif
+#ifdef HAS_SHEEN
+#ifdef HAS_SHEEN_LIGHT
+    color += shares.sheen * textureLod(sheen_light, 2.0 * wo.z * n - p.wo, image_light_level(roughness_to_alpha(s.sheen_roughness), light.x)).rgb * visible;
+#else
+    color += shares.sheen * texture(diffuse_light, n).rgb * (visible / kShadePi);
+#endif
+#endif
+#ifdef HAS_COAT
+    vec3 nc = normalize(frame * s.coat_normal);
+    color += shares.coat * mirrored_light(p, nc, s.coat_alpha) *
+             image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha);
+#endif
+#endif
+  }
+#ifdef HAS_TRANSMISSION
+  color += shares.through * transmitted_light(p, params, s.alpha);
+#endif
+  return color;
+}
+
+// ----- all of it
+
+struct Shading {
+  Point point;
+  SurfaceParams params;
+  Surface surface;
+  mat3 frame;
+  vec3 wo;  // local
+};
+
+/// Fetches textures and prepares the closure.
+Shading prepare(bool is_back) {
+  Point p = make_point(is_back);
+  SurfaceParams params = fetch_params();
+  params.roughness = max(antialiased_roughness(params.roughness, p.normal), light.z);
+
+  // ----- the local frame
+  vec3 t = p.tangent - p.normal * dot(p.normal, p.tangent);
+  float t2 = dot(t, t);
+  t = t2 > 1e-16 ? t * inversesqrt(t2) : shade_tangent(p.normal);
+  mat3 frame = mat3(t, cross(p.normal, t), p.normal);
+  vec3 wo = p.wo * frame;
+#ifdef HAS_COAT
+  params.clearcoat_normal = keep_reflection_outside(p.coat_normal, p.geometric, p.wo) * frame;
+#endif
+  Surface s = surface_prepare(params, wo);
+  Shading h;
+  h.point = p;
+  h.params = params;
+  h.surface = s;
+  h.frame = frame;
+  h.wo = wo;
+  return h;
+}
+
+vec4 shaded() {
+#ifdef IS_UNLIT
+  return vec4(fetch_base_color(), 1.0);
+#else
+  bool is_back = !gl_FrontFacing;
+  Shading h = prepare(is_back);
+  Point p = h.point;
+  Surface s = h.surface;
+  mat3 frame = h.frame;
+  vec3 wo = h.wo;
+  vec3 color = far_light(p, h.params, s, wo, frame);
+#ifdef HAS_LIGHTS
+  for (int i = 0; i < counts.x; ++i) {
+    vec3 wi;
+    vec3 e = light_arriving(lights[i], v_position, wi);
+    bool is_outside = dot(p.vertex_normal, wi) > 0.0;
+    vec3 local = wi * frame;
+    // Light from one side reaches the other only through a surface that scatters through.
+    if (is_outside != (local.z > 0.0) || shade_max3(e) <= 0.0) continue;
+    vec3 value = surface_eval(s, wo, local).value;
+    if (shade_max3(value) <= 0.0) continue;
+    color += value * e * light_shadow(lights[i], v_position, is_outside ? p.vertex_normal : -p.vertex_normal, wi);
+  }
+#endif
+#ifdef IS_EMISSIVE
+  if (!is_back || IS_EMISSIVE == 2) {
+    vec3 emitted = emission.rgb * surface_emission_scale(s);
+#ifdef HAS_emissive
+    emitted *= emissive_texel().rgb;
+#endif
+    color += emitted;
+  }
+#endif
+  return vec4(color, 1.0);
+#endif
+}
+
+#ifdef HAS_QUANTITY
+/// What of the surface is asked for in place of its light.
+vec4 quantity() {
+#if defined(SHOW_POSITION)
+  return vec4(v_position, 1.0);
+#elif defined(SHOW_DEPTH)
+  return vec4(eye.w > 0.5 ? distance(eye.xyz, v_position) : dot(eye.xyz - v_position, back.xyz));
+#elif defined(SHOW_OBJECT_ID)
+  return vec4(object_id);
+#elif defined(IS_UNLIT)
+#ifdef SHOW_NORMAL
+  return vec4(make_point(!gl_FrontFacing).normal, 1.0);
+#else
+  return vec4(fetch_base_color(), 1.0);
+#endif
+#else
+  Shading h = prepare(!gl_FrontFacing);
+#ifdef SHOW_NORMAL
+  return vec4(h.point.normal, 1.0);
+#else
+  return vec4(surface_albedo(h.surface), 1.0);
+#endif
+#endif
+}
+#endif
+
+void main() {
+  float opacity = 1.0;
+#ifdef ALPHA_MASK
+  float a = fetch_opacity();
+#ifdef ALPHA_TO_COVERAGE
+  // One texel of the picture wide, around the cutoff.
+  opacity = clamp((a - emission.a) / max(fwidth(a), 1e-4) + 0.5, 0.0, 1.0);
+  if (opacity <= 0.0) discard;
+#else
+  if (a < emission.a) discard;
+#endif
+#endif
+#ifdef ALPHA_BLEND
+  opacity = clamp(fetch_opacity(), 0.0, 1.0);
+#endif
+#ifdef HAS_QUANTITY
+  if (opacity < 0.5) discard;
+  o_color = quantity();
+#else
+  o_color = shaded();
+#endif
+#if defined(ALPHA_BLEND) && !defined(HAS_QUANTITY)
+  o_color = o_color * opacity;
+#endif
+#ifdef ALPHA_TO_COVERAGE
+  o_color.a = opacity;
+#endif
+}
