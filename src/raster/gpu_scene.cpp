@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/error.h"
+#include "raster/mips.h"
 #include "scene/surface_params.h"
 
 namespace candela::raster {
@@ -85,56 +87,43 @@ GLint wrap_of(Wrap wrap) {
   return GL_REPEAT;
 }
 
-/// Half as wide and high, box filtered.
-template <class T>
-std::vector<T> halved(const T* pixels, int width, int height) {
-  const int w = std::max(width / 2, 1), h = std::max(height / 2, 1);
-  std::vector<T> out(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 4);
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      for (int c = 0; c < 4; ++c) {
-        std::uint32_t sum = 0;
-        for (int k = 0; k < 4; ++k) {
-          const int sx = std::min(2 * x + (k & 1), width - 1), sy = std::min(2 * y + (k >> 1), height - 1);
-          sum +=
-              pixels[(static_cast<std::size_t>(sy) * static_cast<std::size_t>(width) + static_cast<std::size_t>(sx)) *
-                         4 +
-                     static_cast<std::size_t>(c)];
-        }
-        out[(static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)) * 4 +
-            static_cast<std::size_t>(c)] = static_cast<T>((sum + 2) / 4);
-      }
-    }
-  }
-  return out;
-}
-
-/// Uploads level 0; half as large again and again where the driver's limit asks for it. Returns how often.
-template <class T>
-int upload_texture(const T* pixels, int width, int height, bool is_srgb) {
+/// The largest side that the driver takes.
+int most_texels() {
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-  std::vector<T> smaller;
-  int halvings = 0;
-  for (; width > most || height > most; ++halvings) {
-    smaller = halved(pixels, width, height);
-    pixels = smaller.data();
-    width = std::max(width / 2, 1), height = std::max(height / 2, 1);
-  }
-  if constexpr (sizeof(T) == 1) {
-    glTexImage2D(GL_TEXTURE_2D, 0, is_srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                 pixels);
-  } else {
-    // There are no 16-bit integers to filter: half floats, decoded here.
-    std::vector<float> linear(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
-    for (std::size_t i = 0; i < linear.size(); ++i) {
-      const float v = static_cast<float>(pixels[i]) / 65535.0f;
-      const bool is_color = is_srgb && i % 4 != 3;
-      linear[i] = !is_color ? v : v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+  return most;
+}
+
+/// Uploads 8-bit texels with their mips; those larger than the driver's limit are left out. Returns how many.
+int upload_bytes(const TextureImage& image, bool is_srgb) {
+  const int most = most_texels();
+  const std::uint8_t* pixels = image.pixels.data();
+  MipLevel level{image.width, image.height, {}};
+  int left_out = 0;
+  for (GLint at = 0;;) {
+    if (level.width > most || level.height > most) {
+      ++left_out;
+    } else {
+      glTexImage2D(GL_TEXTURE_2D, at++, is_srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, level.width, level.height, 0, GL_RGBA,
+                   GL_UNSIGNED_BYTE, pixels);
     }
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, height, 0, GL_RGBA, GL_FLOAT, linear.data());
+    if (level.width == 1 && level.height == 1) return left_out;
+    level = halved(pixels, level.width, level.height, is_srgb);
+    pixels = level.rgba.data();
   }
-  return halvings;
+}
+
+/// There are no 16-bit integers to filter: half floats, decoded here.
+void upload_words(const TextureImage& image, bool is_srgb) {
+  const auto* pixels = reinterpret_cast<const std::uint16_t*>(image.pixels.data());
+  std::vector<float> linear(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4);
+  for (std::size_t i = 0; i < linear.size(); ++i) {
+    const float v = static_cast<float>(pixels[i]) / 65535.0f;
+    const bool is_color = is_srgb && i % 4 != 3;
+    linear[i] = !is_color ? v : v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+  }
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, image.width, image.height, 0, GL_RGBA, GL_FLOAT, linear.data());
+  glGenerateMipmap(GL_TEXTURE_2D);
 }
 
 MaterialKey make_key(const Material& m, const shade::ShadingModel& model) {
@@ -232,16 +221,18 @@ GLuint GpuScene::texture_for(const Scene& scene, int image, bool is_srgb, Diagno
   if (!is_new) return entry->second;
   const TextureImage& pixels = *scene.images[static_cast<std::size_t>(image)];
   glBindTexture(GL_TEXTURE_2D, entry->second);
-  const int halvings = pixels.bits == 16 ? upload_texture(reinterpret_cast<const std::uint16_t*>(pixels.pixels.data()),
-                                                          pixels.width, pixels.height, is_srgb)
-                                         : upload_texture(pixels.pixels.data(), pixels.width, pixels.height, is_srgb);
-  if (halvings > 0) {
+  const std::string where = "image " + std::to_string(image);
+  if (pixels.bits == 16) {
+    if (std::max(pixels.width, pixels.height) > most_texels()) {
+      throw Error("a 16-bit texture is larger than the driver's limit of " + std::to_string(most_texels()), where);
+    }
+    upload_words(pixels, is_srgb);
+  } else if (const int left_out = upload_bytes(pixels, is_srgb); left_out > 0) {
     diagnostics.warn("a texture of " + std::to_string(pixels.width) + "x" + std::to_string(pixels.height) +
-                         " is larger than the driver's limit and was halved " + std::to_string(halvings) + " times",
-                     "image " + std::to_string(image));
+                         " is larger than the driver's limit and was halved " + std::to_string(left_out) + " times",
+                     where);
   }
-  glGenerateMipmap(GL_TEXTURE_2D);
-  gl::check("uploading image " + std::to_string(image));
+  gl::check("uploading " + where);
   return entry->second;
 }
 

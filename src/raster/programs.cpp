@@ -1,7 +1,6 @@
 #include "raster/programs.h"
 
 #include <array>
-#include <chrono>
 #include <utility>
 
 #include "base/error.h"
@@ -13,6 +12,7 @@ namespace candela::raster {
 namespace {
 
 constexpr std::size_t kBaseColorSlot = 0;
+const std::string kMeshFragment = "mesh.frag.glsl";
 constexpr std::array<const char*, kSlots> kSlotNames = {"base_color",
                                                         "metallic_roughness",
                                                         "normal",
@@ -104,11 +104,11 @@ void Programs::reload() {
 }
 
 std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const std::string& fragment,
-                                               const std::string& preamble, std::uint32_t slots) {
-  const auto begin = std::chrono::steady_clock::now();
+                                               const std::string& preamble, const MaterialKey& material) {
   const auto text_of = [&](const std::string& name) {
     gl::ShaderText text(reader_);
     text.add_text("defines of " + name, preamble);
+    if (name == kMeshFragment && material.lobes == 0) text.add_header("no_layers.glsl");
     text.add_header(name);
     return text;
   };
@@ -135,16 +135,14 @@ std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const 
   for (const auto& [name, unit] : kShared) glUniform1i(program->uniform(name), unit);
   int unit = kFirstSlotUnit;
   for (std::size_t i = 0; i < kSlots; ++i) {
-    if ((slots >> i & 1u) != 0) glUniform1i(program->uniform(std::string(kSlotNames[i]) + "_texture"), unit++);
+    if ((material.slots >> i & 1u) != 0) glUniform1i(program->uniform(std::string(kSlotNames[i]) + "_texture"), unit++);
   }
-  compile_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return program;
 }
 
 const gl::Program& Programs::mesh(const MaterialKey& material, const PassKey& pass) {
   std::unique_ptr<gl::Program>& program = mesh_[{material, pass}];
-  if (program == nullptr)
-    program = compile("mesh.vert.glsl", "mesh.frag.glsl", mesh_preamble(material, pass), material.slots);
+  if (program == nullptr) program = compile("mesh.vert.glsl", kMeshFragment, mesh_preamble(material, pass), material);
   return *program;
 }
 
@@ -160,13 +158,13 @@ const gl::Program& Programs::depth(const MaterialKey& material) {
   if (program == nullptr) {
     const bool is_mask = key.alpha_mode == AlphaMode::mask;
     program = compile("depth.vert.glsl", "depth.frag.glsl",
-                      slots_text(key, key.slots) + (is_mask ? define("ALPHA_MASK") : ""), key.slots);
+                      slots_text(key, key.slots) + (is_mask ? define("ALPHA_MASK") : ""), key);
   }
   return *program;
 }
 
 const gl::Program& Programs::background() {
-  if (background_ == nullptr) background_ = compile("fullscreen.vert.glsl", "background.frag.glsl", "", 0);
+  if (background_ == nullptr) background_ = compile("fullscreen.vert.glsl", "background.frag.glsl", "", {});
   return *background_;
 }
 

@@ -67,17 +67,15 @@ class Programs {
   /// Forgets what was compiled, so that changed files are read again.
   void reload();
   std::size_t count() const { return mesh_.size() + depth_.size() + (background_ ? 1 : 0); }
-  double compile_s() const { return compile_s_; }
 
  private:
   std::unique_ptr<gl::Program> compile(const std::string& vertex, const std::string& fragment,
-                                       const std::string& preamble, std::uint32_t slots);
+                                       const std::string& preamble, const MaterialKey& material);
 
   gl::ShaderText::Reader reader_;
   std::map<std::pair<MaterialKey, PassKey>, std::unique_ptr<gl::Program>> mesh_;
   std::map<MaterialKey, std::unique_ptr<gl::Program>> depth_;
   std::unique_ptr<gl::Program> background_;
-  double compile_s_ = 0.0;
 };
 
 /// The sampler of texture_slots(material)[i] in the shaders.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <future>
 
 #include "base/parallel.h"
 #include "gl/gl.h"
@@ -80,17 +81,29 @@ Film render(const Scene& scene, const Environment& environment, const View& view
   s.driver = context->renderer();
   s.open_s = watch.lap();
 
-  BakedLight light;
-  if (has_light(environment)) light = bake_light(environment, uses_sheen(scene), settings.cache);
-  s.is_light_cached = light.is_cached;
-  s.light_s = watch.lap();
-
-  Renderer renderer(scene, environment, light, settings, diagnostics);
+  // The light is baked while this thread, the driver's, uploads and compiles.
+  const auto bake = [&] {
+    Stopwatch baking;
+    BakedLight light;
+    if (has_light(environment)) light = bake_light(environment, uses_sheen(scene), settings.cache);
+    s.light_s = baking.lap();
+    return light;
+  };
+  std::future<BakedLight> baked = std::async(std::launch::async, bake);
+  Renderer renderer(scene, environment, settings, diagnostics);
   glFinish();
   s.upload_s = watch.lap();
   renderer.begin(view);
   glFinish();
   s.shadow_s = watch.lap();
+  renderer.warm_up(view);
+  s.compile_s = watch.lap();
+  {
+    const BakedLight light = baked.get();
+    s.is_light_cached = light.is_cached;
+    renderer.set_light(light);
+  }
+  watch.lap();
 
   Film film;
   film.beauty = Image(settings.width, settings.height, 4);
@@ -110,8 +123,7 @@ Film render(const Scene& scene, const Environment& environment, const View& view
   }
   apply_vignetting(view, film.beauty);
   for (const Layer layer : settings.layers) film.layers[layer] = renderer.read_layer(view, layer);
-  s.compile_s = renderer.programs().compile_s();
-  s.frame_s = watch.lap() - s.compile_s;
+  s.frame_s = watch.lap();
   s.frames = settings.frames;
   s.programs = static_cast<int>(renderer.programs().count());
   s.triangles = renderer.scene().triangle_count();

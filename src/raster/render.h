@@ -31,11 +31,11 @@ struct Statistics {
   std::string driver;
   bool is_light_cached = false;
   double open_s = 0.0;    ///< the context
-  double light_s = 0.0;   ///< baking or reading the environment
+  double light_s = 0.0;   ///< baking or reading the environment, beside what follows
   double upload_s = 0.0;  ///< scene and environment to the driver
-  double compile_s = 0.0;
   double shadow_s = 0.0;
-  double frame_s = 0.0;  ///< all frames, reading back included
+  double compile_s = 0.0;  ///< the first frame, which nobody sees
+  double frame_s = 0.0;    ///< all frames, reading back included
   int frames = 0;
   int programs = 0;
   std::uint64_t triangles = 0;

@@ -81,8 +81,8 @@ gl::Texture upload_panorama(const Image* map) {
 
 }  // namespace
 
-Renderer::Renderer(const Scene& scene, const Environment& environment, const BakedLight& light,
-                   const Settings& settings, Diagnostics& diagnostics)
+Renderer::Renderer(const Scene& scene, const Environment& environment, const Settings& settings,
+                   Diagnostics& diagnostics)
     : scene_(scene),
       environment_(environment),
       settings_(settings),
@@ -92,18 +92,38 @@ Renderer::Renderer(const Scene& scene, const Environment& environment, const Bak
   if (!gl::has_extension("GL_EXT_color_buffer_float") && !gl::has_extension("GL_EXT_color_buffer_half_float")) {
     throw Error("the driver cannot draw into floating-point pictures (GL_EXT_color_buffer_float)");
   }
-  has_light_ = !light.specular.empty();
-  if (has_light_) {
-    light_levels_ = static_cast<int>(light.specular.levels.size());
-    specular_ = upload_cube(light.specular);
-    diffuse_ = upload_cube(cube_of_one_level(light.irradiance));
-    if (!light.sheen.empty()) sheen_ = upload_cube(light.sheen);
-  }
   const Image* seen = environment.backdrop != nullptr ? environment.backdrop.get() : environment.map.get();
   panorama_ = upload_panorama(settings.background == Background::environment ? seen : nullptr);
   profiles_ = upload_profiles(scene);
   upload_table();
   make_targets();
+}
+
+void Renderer::set_light(const BakedLight& light) {
+  has_light_ = !light.specular.empty();
+  if (!has_light_) return;
+  light_levels_ = static_cast<int>(light.specular.levels.size());
+  specular_ = upload_cube(light.specular);
+  diffuse_ = upload_cube(cube_of_one_level(light.irradiance));
+  if (!light.sheen.empty()) sheen_ = upload_cube(light.sheen);
+}
+
+void Renderer::warm_up(const View& view) {
+  // A driver compiles for the kind of texture that it finds.
+  if (!has_light_) {
+    Cubemap black;
+    black.levels = {make_cube_faces(2), make_cube_faces(1)};
+    specular_ = upload_cube(black);
+    sheen_ = upload_cube(black);
+    diffuse_ = upload_cube(cube_of_one_level(make_cube_faces(2)));
+  }
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(0, 0, 1, 1);
+  draw(view);
+  glDisable(GL_SCISSOR_TEST);
+  std::array<float, 4> pixel{};
+  glBindFramebuffer(GL_FRAMEBUFFER, resolved_framebuffer_);
+  glReadPixels(0, 0, 1, 1, GL_RGBA, GL_FLOAT, pixel.data());
 }
 
 void Renderer::upload_table() {
@@ -342,7 +362,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
 
   PassKey pass;
   pass.has_lights = lights_.count > 0;
-  pass.has_sheen_light = gpu_.has_lobe(shade::kLobeSheen) && has_light_;
+  pass.has_sheen_light = gpu_.has_lobe(shade::kLobeSheen);
   pass.has_coverage = settings_.msaa > 1;
   if (pass.has_coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   draw_surfaces(opaque, pass, camera);

@@ -15,10 +15,12 @@ namespace candela::raster {
 /// it decides when to draw and where a frame goes.
 class Renderer {
  public:
-  /// `scene` and `environment` must outlive it.
-  Renderer(const Scene& scene, const Environment& environment, const BakedLight& light, const Settings& settings,
-           Diagnostics& diagnostics);
+  /// `scene` and `environment` must outlive it. Until set_light() nothing arrives from far away but suns.
+  Renderer(const Scene& scene, const Environment& environment, const Settings& settings, Diagnostics& diagnostics);
+  void set_light(const BakedLight& light);
 
+  /// Lets the driver compile what the frames of a view need, without drawing any pixel that counts.
+  void warm_up(const View& view);
   /// Places lights and draws their shadows for a view; once per view, before its frames.
   void begin(const View& view);
   /// Draws one frame; see frame_camera for `jitter` and `aperture`.

@@ -21,16 +21,22 @@ struct SurfaceShares {
 
 SHADE_FN void shares_layers(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
   float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
-  r.specular = s.specular_albedo_o * over;
+  vec2 ab = layers_ggx(s, wo);
+  vec3 specular = s.specular_albedo_o;
+  // The tables know a film at normal incidence; here it has the colour of this angle.
+  if (s.iridescence > 0.0f) {
+    specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - base_specular_albedo(s, ab);
+  }
+  r.specular = specular * over;
   r.diffuse = s.diffuse * s.film_below_o * s.transmission_o;
   r.below = s.diffuse_below * s.film_below_o * s.transmission_o;
   r.sheen = s.sheen * (s.sheen_albedo_o * (1.0f - s.coat * s.coat_albedo_o));
   r.coat = vec3(s.coat * s.coat_albedo_o);
   if (s.weight_glass <= 0.0f) return;
-  vec2 ab = layers_ggx(s, wo);
-  // A smooth boundary reflects by the index itself; a rough one loses what the tables of glass say.
-  vec3 reflected =
-      s.is_glass_delta ? terms_fresnel_glass(s, wo.z) : s.glass_f0_tinted * ab.x + vec3(s.f90_dielectric * ab.y);
+  // A smooth boundary, or a film, reflects by the exact curve; a rough one loses what the tables of glass say.
+  vec3 reflected = s.glass_f0_tinted * ab.x + vec3(s.f90_dielectric * ab.y);
+  if (s.is_glass_delta) reflected = terms_fresnel_glass(s, wo.z);
+  if (s.iridescence > 0.0f) reflected = terms_fresnel_glass(s, wo.z) * (ab.x + ab.y);
   vec3 lost = vec3(s.glass_escape_o * s.glass_reflected);
   reflected = min(reflected + lost, vec3(1.0f));
   r.glass = reflected * (s.weight_glass * over);

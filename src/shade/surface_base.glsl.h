@@ -11,6 +11,13 @@
 
 SHADE_BEGIN
 
+/// Tangent of a frame around n. Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+SHADE_FN vec3 shade_tangent(vec3 n) {
+  float sgn = n.z < 0.0f ? -1.0f : 1.0f;
+  float a = -1.0f / (sgn + n.z);
+  return vec3(1.0f + sgn * n.x * n.x * a, sgn * n.x * n.y * a, -sgn * n.x);
+}
+
 /// Share of light that facets reflect after several bounces among them, of what single scattering loses. `mean` is the
 /// mean Fresnel reflectance, `albedo` the mean single-scattering albedo of white facets. Kulla & Conty 2017,
 /// "Revisiting Physically Based Shading at Imageworks"; with Hill's correction (2018), which counts the second bounce

@@ -402,13 +402,6 @@ SHADE_FN bool layers_scatters_through(SHADE_IN(Surface) s) {
 
 // ----- the coat's frame
 
-/// Tangent of a frame around n. Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
-SHADE_FN vec3 shade_tangent(vec3 n) {
-  float sgn = n.z < 0.0f ? -1.0f : 1.0f;
-  float a = -1.0f / (sgn + n.z);
-  return vec3(1.0f + sgn * n.x * n.x * a, sgn * n.x * n.y * a, -sgn * n.x);
-}
-
 SHADE_FN vec3 layers_to_coat(SHADE_IN(Surface) s, vec3 w) {
   vec3 t = shade_tangent(s.coat_normal);
   return vec3(dot(w, t), dot(w, cross(s.coat_normal, t)), dot(w, s.coat_normal));
