@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "shade/diffuse.glsl.h"
-
 namespace candela::path {
 
 Camera::Camera(const View& view, int width, int height)
@@ -22,21 +20,6 @@ Camera::Camera(const View& view, int width, int height)
   }
 }
 
-vec2 Camera::sample_aperture(vec2 u) const {
-  if (lens_.blades < 3) {
-    const vec3 d = shade::cosine_sample({u.x, u.y});  // its x and y are uniform on the disc
-    return {d.x, d.y};
-  }
-  // A regular polygon: choose one of its triangles, then a point in it (u.x serves twice).
-  const float corners = static_cast<float>(lens_.blades);
-  const float corner = std::floor(u.x * corners);
-  const float step = 2.0f * kPi / corners;
-  const float r = std::sqrt(u.x * corners - corner);
-  const vec2 a(std::cos(step * corner), std::sin(step * corner));
-  const vec2 b(std::cos(step * (corner + 1.0f)), std::sin(step * (corner + 1.0f)));
-  return r * ((1.0f - u.y) * a + u.y * b);
-}
-
 Camera::Sample Camera::generate(vec2 film, vec2 u) const {
   const vec2 ndc(2.0f * film.x / film_size_.x - 1.0f, 1.0f - 2.0f * film.y / film_size_.y);
   const vec2 p = ndc * half_extent_;
@@ -49,7 +32,7 @@ Camera::Sample Camera::generate(vec2 film, vec2 u) const {
   Sample sample;
   if (has_lens()) {
     const vec3 focus = origin + direction * lens_.focus_distance;
-    origin += vec3(sample_aperture(u) * lens_.radius, 0.0f);
+    origin += vec3(sample_aperture(lens_, u) * lens_.radius, 0.0f);
     direction = focus - origin;
   }
   if (lens_.vignetting > 0.0f && !is_orthographic_) {

@@ -21,8 +21,6 @@ class Camera {
   Sample generate(vec2 film, vec2 u) const;
 
  private:
-  vec2 sample_aperture(vec2 u) const;
-
   Frame axes_;  ///< right, up and backwards in world space, scale included
   vec3 eye_;
   Lens lens_;

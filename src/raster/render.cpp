@@ -1,6 +1,7 @@
 #include "raster/render.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <future>
@@ -8,7 +9,6 @@
 #include "base/parallel.h"
 #include "gl/gl.h"
 #include "raster/renderer.h"
-#include "shade/diffuse.glsl.h"
 #include "shade/surface_params.glsl.h"
 
 namespace candela::raster {
@@ -30,12 +30,16 @@ class Stopwatch {
   Clock::time_point last_ = Clock::now();
 };
 
-/// Points of the plastic number's lattice, which fill a square evenly however many there are. Roberts 2018, "The
-/// Unreasonable Effectiveness of Quasirandom Sequences".
-vec2 lattice_point(int i, vec2 start) {
-  constexpr double kX = 0.7548776662466927, kY = 0.5698402909980532;
-  return {static_cast<float>(std::fmod(static_cast<double>(start.x) + kX * i, 1.0)),
-          static_cast<float>(std::fmod(static_cast<double>(start.y) + kY * i, 1.0))};
+/// Points of a lattice that fills the cube of four dimensions evenly however many there are: powers of the root of x⁵ =
+/// x + 1. Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences".
+vec4 lattice_point(int i) {
+  constexpr std::array<double, 4> kSteps = {0.8566748838545029, 0.733891856627126, 0.6287067210378087,
+                                            0.5385972572236101};
+  vec4 point;
+  for (int k = 0; k < 4; ++k) {
+    point[k] = static_cast<float>(std::fmod(0.5 + kSteps[static_cast<std::size_t>(k)] * i, 1.0));
+  }
+  return point;
 }
 
 bool has_light(const Environment& environment) {
@@ -109,9 +113,10 @@ Film render(const Scene& scene, const Environment& environment, const View& view
   film.beauty = Image(settings.width, settings.height, 4);
   for (int frame = 0; frame < settings.frames; ++frame) {
     const bool is_still = settings.frames > 1;
-    const vec2 jitter = is_still ? lattice_point(frame, vec2(0.5f)) - 0.5f : vec2(0.0f);
-    const vec3 lens = is_still ? shade::cosine_sample(lattice_point(frame, vec2(0.25f, 0.75f))) : vec3(0.0f);
-    renderer.draw(view, jitter, vec2(lens));
+    const vec4 u = lattice_point(frame);
+    const vec2 jitter = is_still ? vec2(u) - 0.5f : vec2(0.0f);
+    const vec2 lens = is_still ? sample_aperture(view.lens, {u.z, u.w}) : vec2(0.0f);
+    renderer.draw(view, jitter, lens);
     const Image picture = renderer.read();
     const float share = 1.0f / static_cast<float>(settings.frames);
     for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {

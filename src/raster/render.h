@@ -20,6 +20,9 @@ struct Settings {
   int height = 720;
   int frames = 1;  ///< of a still, each jittered within the pixel and over the lens; their mean is the picture
   int msaa = 4;    ///< samples per pixel of each frame: 1, 2, 4 or what the driver has
+  /// Widens highlights by how the normal turns within a pixel. What one sample per pixel needs; the less, the more
+  /// frames there are.
+  bool specular_antialiasing = true;
   Background background = Background::environment;
   shade::ShadingModel shading = shade::shading_model_candela();
   std::set<Layer> layers{};

@@ -233,7 +233,8 @@ void Renderer::bind_shared(const FrameCamera& camera) {
   block.eye = vec4(camera.eye, camera.is_perspective ? 1.0f : 0.0f);
   block.back = vec4(camera.back, 0.0f);
   block.light = {static_cast<float>(light_levels_), has_light_ ? 1.0f : 0.0f,
-                 lights_.has_suns ? kLeastSunRoughness : 0.0f, 0.0f};
+                 lights_.has_suns ? kLeastSunRoughness : 0.0f,
+                 settings_.specular_antialiasing ? 1.0f / static_cast<float>(settings_.frames) : 0.0f};
   block.target = {static_cast<float>(settings_.width), static_cast<float>(settings_.height),
                   static_cast<float>(picture_levels_), 0.0f};
   block.counts = {lights_.count, 0, 0, 0};
@@ -447,7 +448,7 @@ Image Renderer::read_layer(const View& view, Layer layer) {
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  const float nothing = layer == Layer::depth ? kInfinity : 0.0f;
+  const float nothing = layer == Layer::depth ? kInfinity : layer == Layer::albedo ? 1.0f : 0.0f;
   const std::array<float, 4> clear = {nothing, nothing, nothing, 0.0f};
   glClearBufferfv(GL_COLOR, 0, clear.data());
   glClearDepthf(1.0f);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "shade/diffuse.glsl.h"
 
 namespace candela {
 namespace {
@@ -185,6 +186,21 @@ float aperture_radius(float f_number, float yfov) {
   if (!(f_number > 0.0f)) throw Error("an f-number is above 0");
   const float focal_length = 0.5f * kSensorHeight / std::tan(0.5f * yfov);
   return 0.5f * focal_length / f_number;
+}
+
+vec2 sample_aperture(const Lens& lens, vec2 u) {
+  if (lens.blades < 3) {
+    const vec3 d = shade::cosine_sample({u.x, u.y});  // its x and y are uniform on the disc
+    return {d.x, d.y};
+  }
+  // A regular polygon: choose one of its triangles, then a point in it (u.x serves twice).
+  const float corners = static_cast<float>(lens.blades);
+  const float corner = std::floor(u.x * corners);
+  const float step = 2.0f * kPi / corners;
+  const float r = std::sqrt(u.x * corners - corner);
+  const vec2 a(std::cos(step * corner), std::sin(step * corner));
+  const vec2 b(std::cos(step * (corner + 1.0f)), std::sin(step * (corner + 1.0f)));
+  return r * ((1.0f - u.y) * a + u.y * b);
 }
 
 }  // namespace candela

@@ -42,4 +42,7 @@ View scene_camera(const Scene& scene, const std::string& index_or_name, float as
 /// Aperture radius in metres from an f-number, the field of view and a 24 mm high sensor.
 float aperture_radius(float f_number, float yfov);
 
+/// A point of the aperture, uniform for uniform `u` in [0,1)²: in the unit disc, or in the polygon of the blades.
+vec2 sample_aperture(const Lens& lens, vec2 u);
+
 }  // namespace candela

@@ -19,7 +19,7 @@ struct SurfaceShares {
   vec3 coat;
 };
 
-SHADE_FN void shares_layers(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
+SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
   float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
   vec2 ab = layers_ggx(s, wo);
   vec3 specular = s.specular_albedo_o;
@@ -52,7 +52,7 @@ SHADE_FN SurfaceShares surface_shares(SHADE_IN(Surface) s, vec3 wo) {
   r.through = vec3(0.0f);
   r.sheen = vec3(0.0f);
   r.coat = vec3(0.0f);
-  if (s.lobes != 0) shares_layers(s, wo, r);
+  if (s.lobes != 0) layers_shares(s, wo, r);
   return r;
 }
 

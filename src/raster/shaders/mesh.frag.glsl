@@ -211,7 +211,7 @@ SurfaceParams fetch_params() {
 /// Antialiasing with Projected-Space NDF Filtering", with their constants.
 float antialiased_roughness(float roughness, vec3 n) {
   vec3 dx = dFdx(n), dy = dFdy(n);
-  float variance = 0.25 * (dot(dx, dx) + dot(dy, dy));
+  float variance = light.w * 0.25 * (dot(dx, dx) + dot(dy, dy));
   float alpha = roughness_to_alpha(roughness);
   return sqrt(sqrt(clamp(alpha * alpha + min(2.0 * variance, 0.18), 0.0, 1.0)));
 }
@@ -366,6 +366,17 @@ Shading prepare(bool is_back) {
   return h;
 }
 
+#ifdef IS_EMISSIVE
+vec3 emitted_light(bool is_back, Surface s) {
+  if (is_back && IS_EMISSIVE != 2) return vec3(0.0);
+  vec3 emitted = emission.rgb * surface_emission_scale(s);
+#ifdef HAS_emissive
+  emitted *= emissive_texel().rgb;
+#endif
+  return emitted;
+}
+#endif
+
 vec4 shaded() {
 #ifdef IS_UNLIT
   return vec4(fetch_base_color(), 1.0);
@@ -391,13 +402,7 @@ vec4 shaded() {
   }
 #endif
 #ifdef IS_EMISSIVE
-  if (!is_back || IS_EMISSIVE == 2) {
-    vec3 emitted = emission.rgb * surface_emission_scale(s);
-#ifdef HAS_emissive
-    emitted *= emissive_texel().rgb;
-#endif
-    color += emitted;
-  }
+  color += emitted_light(is_back, s);
 #endif
   return vec4(color, 1.0);
 #endif
@@ -416,14 +421,17 @@ vec4 quantity() {
 #ifdef SHOW_NORMAL
   return vec4(make_point(!gl_FrontFacing).normal, 1.0);
 #else
-  return vec4(fetch_base_color(), 1.0);
+  return vec4(1.0);  // as what emits: it is no reflectance
 #endif
 #else
   Shading h = prepare(!gl_FrontFacing);
 #ifdef SHOW_NORMAL
   return vec4(h.point.normal, 1.0);
 #else
-  return vec4(surface_albedo(h.surface), 1.0);
+#ifdef IS_EMISSIVE
+  if (shade_max3(emitted_light(!gl_FrontFacing, h.surface)) > 0.0) return vec4(1.0);
+#endif
+  return vec4(min(surface_albedo(h.surface), vec3(1.0)), 1.0);
 #endif
 #endif
 }
