@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <chrono>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -41,14 +42,15 @@ class Stopwatch {
 struct Job {
   Scene scene;
   Environment environment;
-  View view;
+  std::vector<View> views;
   DevelopSettings develop;
   std::string camera;  ///< in words, for the EXR header
 };
 
 /// Never overwrite what the picture is made from, and find out about an unwritable path before hours of work.
 void check_paths(const RenderOptions& o) {
-  std::vector<fs::path> written(o.outputs.begin(), o.outputs.end());
+  std::vector<fs::path> written;
+  for (const std::string& output : o.outputs) written.push_back(frame_name(output, 0));
   if (o.stats && *o.stats != "-") written.push_back(*o.stats);
   for (const fs::path& path : written) {
     for (const std::string& source : {o.scene, o.environment.value_or("")}) {
@@ -144,15 +146,46 @@ void set_falloff(const FalloffChoice& choice, Scene& scene) {
   }
 }
 
-Job prepare(const RenderOptions& o, Diagnostics& diagnostics) {
+/// `view` turned about the vertical axis through `center` by equal steps.
+std::vector<View> all_around(const View& view, vec3 center, int count) {
+  std::vector<View> views;
+  for (int i = 0; i < count; ++i) {
+    const float angle = 2.0f * kPi * static_cast<float>(i) / static_cast<float>(count);
+    const mat4 turn = glm::mat4_cast(glm::angleAxis(angle, vec3(0, 1, 0)));
+    mat4 there(1.0f), back(1.0f);
+    there[3] = vec4(center, 1.0f), back[3] = vec4(-center, 1.0f);
+    views.push_back(view);
+    views.back().world_from_camera = there * turn * back * view.world_from_camera;
+  }
+  return views;
+}
+
+/// What several scenes of one run share.
+struct Shared {
+  std::map<std::string, Environment> environments;  ///< by name or path
+  std::unique_ptr<raster::Session> session;         ///< opened when the first picture needs it
+
+  const Environment& environment(const std::string& name) {
+    const auto found = environments.find(name);
+    if (found != environments.end()) return found->second;
+    return environments.emplace(name, make_environment(name)).first->second;
+  }
+  raster::Session& raster() {
+    if (session == nullptr) session = std::make_unique<raster::Session>();
+    return *session;
+  }
+};
+
+Job prepare(const RenderOptions& o, Shared& shared, Diagnostics& diagnostics) {
   Job job;
   job.scene = load(o.scene, &diagnostics, o.variant);
   if (o.light_falloff) set_falloff(*o.light_falloff, job.scene);
-  job.environment = make_environment(o.environment.value_or(default_environment(job.scene)));
+  job.environment = shared.environment(o.environment.value_or(default_environment(job.scene)));
   job.environment.rotation += o.environment_rotation;
   job.environment.intensity *= o.environment_intensity;
-  job.view = choose_view(o, job.scene, job.camera);
-  set_lens(o, job.scene, job.view);
+  View view = choose_view(o, job.scene, job.camera);
+  set_lens(o, job.scene, view);
+  job.views = all_around(view, o.target.value_or(subject_bounds(job.scene).center()), o.turntable.value_or(1));
   job.develop = default_develop(job.scene, job.environment);
   if (o.exposure) job.develop.exposure = *o.exposure;
   job.develop.tone_curve = o.tone_curve;
@@ -202,9 +235,9 @@ std::map<std::string, std::string> metadata(const RenderOptions& o, const Job& j
 /// time.
 class PartialWriter {
  public:
-  PartialWriter(const RenderOptions& options, const Job& job, ProgressLine& progress)
-      : options_(options), job_(job), progress_(progress) {
-    for (const fs::path output : options.outputs) disabled_ |= is_device(output);
+  PartialWriter(const RenderOptions& options, const Job& job, std::vector<fs::path> outputs, ProgressLine& progress)
+      : options_(options), job_(job), outputs_(std::move(outputs)), progress_(progress) {
+    for (const fs::path& output : outputs_) disabled_ |= is_device(output);
   }
 
   void operator()(Film film, double samples_per_pixel) {
@@ -213,7 +246,7 @@ class PartialWriter {
     const Stopwatch cost;
     try {
       film.metadata.merge(metadata(options_, job_, samples_per_pixel));
-      write_outputs({options_.outputs.begin(), options_.outputs.end()}, film, job_.develop);
+      write_outputs(outputs_, film, job_.develop);
     } catch (const Error& error) {
       disabled_ = true;  // the end may go better; say it once
       progress_.warn({error.message(), error.where()});
@@ -225,6 +258,7 @@ class PartialWriter {
  private:
   const RenderOptions& options_;
   const Job& job_;
+  std::vector<fs::path> outputs_;
   ProgressLine& progress_;
   Stopwatch since_last_;
   double last_cost_s_ = 0.0;
@@ -242,6 +276,21 @@ double cpu_seconds(const rusage& usage) {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// Adds the work of one picture to that of all.
+void add(const path::Statistics& picture, path::Statistics& all) {
+  all.build_s += picture.build_s;
+  all.render_s += picture.render_s;
+  all.samples += picture.samples;
+  all.camera_rays += picture.camera_rays;
+  all.bounce_rays += picture.bounce_rays;
+  all.shadow_rays += picture.shadow_rays;
+  all.non_finite_samples += picture.non_finite_samples;
+  all.triangles = picture.triangles;
+  all.instances = picture.instances;
+  all.mean_samples_per_pixel = picture.mean_samples_per_pixel;
+  all.interrupted |= picture.interrupted;
 }
 
 std::string stats_json(const RenderOptions& o, const path::Statistics& s, const Times& times, int threads,
@@ -275,8 +324,18 @@ std::string stats_json(const RenderOptions& o, const path::Statistics& s, const 
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-Film trace(const RenderOptions& o, const Job& job, ProgressLine& progress, path::Statistics& statistics) {
-  PartialWriter partial(o, job, progress);
+/// The files of picture `index`.
+std::vector<fs::path> outputs_of(const RenderOptions& o, std::size_t index) {
+  std::vector<fs::path> paths;
+  for (const std::string& output : o.outputs) {
+    paths.emplace_back(o.turntable ? frame_name(output, static_cast<int>(index)) : output);
+  }
+  return paths;
+}
+
+Film trace(const RenderOptions& o, const Job& job, std::size_t index, ProgressLine& progress,
+           path::Statistics& statistics) {
+  PartialWriter partial(o, job, outputs_of(o, index), progress);
   double samples_per_pixel = 0.0;
   const Interrupt interrupt;
   path::Callbacks callbacks;
@@ -286,7 +345,7 @@ Film trace(const RenderOptions& o, const Job& job, ProgressLine& progress, path:
   };
   callbacks.partial = [&](Film film) { partial(std::move(film), samples_per_pixel); };
   callbacks.stop = &Interrupt::requested();
-  Film film = render(job.scene, job.environment, job.view, o.settings, &statistics, callbacks);
+  Film film = render(job.scene, job.environment, job.views[index], o.settings, &statistics, callbacks);
   if (statistics.samples == 0) throw Error("interrupted before the first sample: no picture", o.scene);
   return film;
 }
@@ -325,23 +384,33 @@ std::string raster_stats_json(const RenderOptions& o, const raster::Statistics& 
 }
 
 void write_stats(const RenderOptions& o, const std::string& json) {
-  if (!o.stats) return;
   if (*o.stats == "-")
     print(json);
   else
     write_file(*o.stats, json);
 }
 
-/// One picture by the rasterizer, from what is loaded to what is written.
-void draw(const RenderOptions& o, const Job& job, Times& times, const Stopwatch& total, Diagnostics& diagnostics,
-          ProgressLine& progress) {
+/// Pictures of a turntable have one exposure, that of the first: else they would flicker.
+void keep_exposure(const RenderOptions& o, const Film& film, DevelopSettings& develop) {
+  if (o.turntable && !develop.exposure) develop.exposure = metered_exposure(film);
+}
+
+/// Pictures by the rasterizer, from what is loaded to what is written.
+void draw(const RenderOptions& o, const Job& job, Shared& shared, Times& times, const Stopwatch& total,
+          Diagnostics& diagnostics, ProgressLine& progress) {
   progress.phase("drawing");
   raster::Statistics statistics;
-  Film film = raster::render(job.scene, job.environment, job.view, raster_settings(o), diagnostics, &statistics);
-  film.metadata.merge(metadata(o, job, statistics.frames));
-  const Stopwatch writing;
-  write_outputs({o.outputs.begin(), o.outputs.end()}, film, job.develop);
-  times.write_s = writing.seconds();
+  const raster::Settings settings = raster_settings(o);
+  DevelopSettings develop = job.develop;
+  const auto take = [&](std::size_t index, Film film) {
+    film.metadata.merge(metadata(o, job, settings.frames));
+    keep_exposure(o, film, develop);
+    const Stopwatch writing;
+    write_outputs(outputs_of(o, index), film, develop);
+    times.write_s += writing.seconds();
+    progress.phase(fmt::format("drawing {} of {}", index + 1, job.views.size()));
+  };
+  shared.raster().draw(job.scene, job.environment, job.views, settings, diagnostics, take, &statistics);
   times.total_s = total.seconds();
   if (statistics.non_finite_pixels > 0) {
     diagnostics.warn(fmt::format("{} pixels were not finite and are black", statistics.non_finite_pixels), o.scene);
@@ -351,50 +420,93 @@ void draw(const RenderOptions& o, const Job& job, Times& times, const Stopwatch&
                               statistics.frames == 1 ? "frame" : "frames", duration_text(times.total_s),
                               duration_text(statistics.frame_s / statistics.frames), statistics.driver));
   }
-  write_stats(o, raster_stats_json(o, statistics, times, diagnostics));
+  if (o.stats) write_stats(o, raster_stats_json(o, statistics, times, diagnostics));
 }
 
-void run_render(const RenderOptions& o) {
-  const Stopwatch total;
-  ProgressLine progress(o.quiet);
-  check_paths(o);
-  check_memory(o);
-  const ThreadLimit threads(o.threads);
-
-  progress.phase("loading " + o.scene);
-  Diagnostics diagnostics;
-  const Job job = prepare(o, diagnostics);
-  Times times{.load_s = total.seconds()};
-  report_warnings(o, diagnostics, 0, progress);
-  const std::size_t reported = diagnostics.warnings().size();
-
-  if (o.engine == Engine::raster) {
-    draw(o, job, times, total, diagnostics, progress);
-    report_warnings(o, diagnostics, reported, progress);
-    return;
-  }
-  progress.phase("building");
+/// Pictures by the path tracer.
+void trace_all(const RenderOptions& o, const Job& job, int threads, Times& times, const Stopwatch& total,
+               Diagnostics& diagnostics, ProgressLine& progress) {
   path::Statistics statistics;
-  Film film = trace(o, job, progress, statistics);
-  film.metadata.merge(metadata(o, job, statistics.mean_samples_per_pixel));
+  DevelopSettings develop = job.develop;
+  for (std::size_t index = 0; index < job.views.size() && !statistics.interrupted; ++index) {
+    progress.phase("building");
+    path::Statistics of_picture;
+    Film film = trace(o, job, index, progress, of_picture);
+    film.metadata.merge(metadata(o, job, of_picture.mean_samples_per_pixel));
+    add(of_picture, statistics);
 
-  const Stopwatch writing;
-  write_outputs({o.outputs.begin(), o.outputs.end()}, film, job.develop);
-  times.write_s = writing.seconds();
-  times.total_s = total.seconds();
-
+    const Stopwatch writing;
+    const std::vector<fs::path> outputs = outputs_of(o, index);
+    keep_exposure(o, film, develop);
+    write_outputs(outputs, film, develop);
+    times.write_s += writing.seconds();
+    times.total_s = total.seconds();
+    for (const fs::path& output : outputs) {
+      progress.line(fmt::format("{}{}: {}x{}, {:.4g} samples per pixel in {}, {:.2f} Msamples/s",
+                                of_picture.interrupted ? "interrupted, " : "", output.string(), film.width(),
+                                film.height(), of_picture.mean_samples_per_pixel, duration_text(times.total_s),
+                                static_cast<double>(of_picture.samples) / std::max(of_picture.render_s, 1e-9) * 1e-6));
+    }
+  }
   if (statistics.non_finite_samples > 0) {
     diagnostics.warn(fmt::format("{} samples were not finite and are left out", statistics.non_finite_samples),
                      o.scene);
   }
-  for (const std::string& output : o.outputs) {
-    progress.line(fmt::format("{}{}: {}x{}, {:.4g} samples per pixel in {}, {:.2f} Msamples/s",
-                              statistics.interrupted ? "interrupted, " : "", output, film.width(), film.height(),
-                              statistics.mean_samples_per_pixel, duration_text(times.total_s),
-                              static_cast<double>(statistics.samples) / std::max(statistics.render_s, 1e-9) * 1e-6));
+  if (o.stats) write_stats(o, stats_json(o, statistics, times, threads, diagnostics));
+}
+
+void render_scene(const RenderOptions& o, Shared& shared, int threads, ProgressLine& progress) {
+  const Stopwatch total;
+  check_paths(o);
+  progress.phase("loading " + o.scene);
+  Diagnostics diagnostics;
+  const Job job = prepare(o, shared, diagnostics);
+  Times times{.load_s = total.seconds()};
+  report_warnings(o, diagnostics, 0, progress);
+  const std::size_t reported = diagnostics.warnings().size();
+  if (o.engine == Engine::raster) {
+    draw(o, job, shared, times, total, diagnostics, progress);
+  } else {
+    trace_all(o, job, threads, times, total, diagnostics, progress);
   }
-  if (o.stats) write_stats(o, stats_json(o, statistics, times, threads.threads(), diagnostics));
   report_warnings(o, diagnostics, reported, progress);
+}
+
+/// A picture of each scene, whatever becomes of the others; throws at the end when one has none.
+void render_batch(const RenderOptions& o, Shared& shared, int threads, ProgressLine& progress) {
+  const fs::path folder = o.outputs[0];
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code) throw Error("cannot be made: " + code.message(), folder.string());
+  std::map<std::string, int> taken;
+  std::size_t failed = 0;
+  for (const std::string& scene : o.scenes) {
+    RenderOptions one = o;
+    one.scene = scene;
+    // Two files of one name in two folders do not overwrite each other.
+    const int count = ++taken[default_stem(scene)];
+    one.outputs = {(folder / (default_stem(scene) + (count > 1 ? fmt::format("-{}", count) : "") + ".png")).string()};
+    try {
+      render_scene(one, shared, threads, progress);
+    } catch (const Error& error) {
+      ++failed;
+      progress.warn({error.message(), error.where()});
+    }
+    if (Interrupt::requested()) break;
+  }
+  if (failed > 0) throw Error(fmt::format("{} of {} scenes have no picture", failed, o.scenes.size()), folder.string());
+}
+
+void run_render(const RenderOptions& o) {
+  ProgressLine progress(o.quiet);
+  check_memory(o);
+  const ThreadLimit threads(o.threads);
+  Shared shared;
+  if (o.is_batch) {
+    render_batch(o, shared, threads.threads(), progress);
+  } else {
+    render_scene(o, shared, threads.threads(), progress);
+  }
 }
 
 }  // namespace

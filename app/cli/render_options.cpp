@@ -24,9 +24,10 @@ constexpr int kOpenEndedSamples = 1 << 16;  // where --time or --noise is meant 
 
 void add_picture(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Picture";
-  verb->add_option("-o,--output", o.outputs,
-                   "File to write, may be repeated; .exr and .hdr stay linear [SCENE's name .png]")
-      ->type_name("FILE.{png,jpg,exr,hdr}")
+  verb->add_option(
+          "-o,--output", o.outputs,
+          "File to write, may be repeated; .exr and .hdr stay linear; of several scenes a folder [SCENE's name .png]")
+      ->type_name("FILE.{png,jpg,exr,hdr}|DIR")
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -109,7 +110,9 @@ void add_camera(CLI::App* verb, RenderOptions& o) {
   camera->excludes(orbit)->excludes(eye);
   orbit->excludes(eye);
   target->needs(eye);
-  for (CLI::Option* option : {camera, orbit, eye, target, fov, f_number, focus, blades, vignetting}) {
+  CLI::Option* turntable = add_value(verb, "--turntable", "N", o.turntable, count_within(1, 100000),
+                                     "N pictures from all around the subject, into -o NAME%03d.png");
+  for (CLI::Option* option : {camera, orbit, eye, target, fov, f_number, focus, blades, vignetting, turntable}) {
     option->group(group);
   }
 }
@@ -182,6 +185,8 @@ Examples:
   candela render helmet.glb -o close.png --orbit -30,15,0.6 --fov 30deg --f-number 4 --noise 0.01
   candela render helmet.glb -o logo.png --background transparent --exposure 1.5 --tonemap agx
   candela render helmet.glb -o frame.png --engine raster
+  candela render helmet.glb -o frames/%03d.png --engine raster --turntable 48
+  candela render a.glb b.glb c.glb -o pictures/ --engine raster --size 256x256
   candela render city.gltf -o city.jpg --size 3840x2160 --time 10min --stats city.json
 
 A long render refreshes its output files every few seconds. Ctrl-C stops early and keeps the picture with the samples
@@ -189,10 +194,25 @@ it has (exit code 0); a second Ctrl-C ends at once.
 Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage.)";
 }
 
+/// Several scenes, or one into a folder.
+void check_batch(RenderOptions& o) {
+  const bool is_folder = o.outputs.size() == 1 && (o.outputs[0].ends_with('/') || fs::is_directory(o.outputs[0]));
+  if (o.scenes.size() == 1 && !is_folder) return;
+  if (!is_folder) throw UsageError("--output: of several scenes it is one folder: -o DIR/");
+  if (o.turntable) throw UsageError("--turntable: one scene at a time");
+  if (o.stats) throw UsageError("--stats: one scene at a time");
+  if (!o.settings.layers.empty()) throw UsageError("--aov: only an .exr holds layers; give one scene and -o FILE.exr");
+  o.is_batch = true;
+}
+
 void check_outputs(RenderOptions& o) {
-  if (o.outputs.empty()) {
-    const std::string name = o.scene.starts_with("demo:") ? o.scene.substr(5) : fs::path(o.scene).stem().string();
-    o.outputs.push_back((name.empty() ? "picture" : name) + ".png");
+  check_batch(o);
+  if (o.is_batch) return;
+  if (o.outputs.empty()) o.outputs.push_back(default_stem(o.scene) + (o.turntable ? "-%03d.png" : ".png"));
+  for (const std::string& output : o.outputs) {
+    if (o.turntable && !is_frame_pattern(output)) {
+      throw UsageError("--output: " + output + " has no place for the number of a picture: NAME%03d.png");
+    }
   }
   std::set<std::string> seen;
   bool any_exr = false;
@@ -231,9 +251,16 @@ void check_engine(const CLI::App& verb, const RenderOptions& o) {
 
 }  // namespace
 
+std::string default_stem(const std::string& scene) {
+  const std::string name = scene.starts_with("demo:") ? scene.substr(5) : fs::path(scene).stem().string();
+  return name.empty() ? "picture" : name;
+}
+
 CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
   CLI::App* verb = app.add_subcommand("render", "Render a glTF scene to a picture")->group("Verbs");
-  verb->add_option("SCENE", options.scene, "A .glb or .gltf file, or a built-in demo:NAME")->required()->type_name("");
+  verb->add_option("SCENE", options.scenes, "A .glb or .gltf file, or a built-in demo:NAME; several with -o DIR")
+      ->required()
+      ->type_name("");
   add_picture(verb, options);
   add_sampling(verb, options);
   add_camera(verb, options);
@@ -245,7 +272,10 @@ CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
 }
 
 void finish_options(const CLI::App& verb, RenderOptions& o) {
-  if (o.scene.empty()) throw UsageError("SCENE: the name is empty");
+  for (const std::string& scene : o.scenes) {
+    if (scene.empty()) throw UsageError("SCENE: the name is empty");
+  }
+  o.scene = o.scenes.front();
   check_engine(verb, o);
   constexpr int kDefaultSamples = 128;
   constexpr int kDefaultFrames = 1;

@@ -16,9 +16,12 @@ namespace candela::cli {
 
 /// Everything `candela render` was asked for. Empty optionals mean "as the scene wishes".
 struct RenderOptions {
-  std::string scene;
-  std::string variant;  ///< empty = the file's default look
-  std::vector<std::string> outputs;
+  std::vector<std::string> scenes;
+  std::string scene;                 ///< the one at hand
+  std::string variant;               ///< empty = the file's default look
+  std::vector<std::string> outputs;  ///< with a turntable patterns of names; with several scenes one folder
+  bool is_batch = false;             ///< a picture of each scene into outputs[0], a folder
+  std::optional<int> turntable;      ///< pictures all around
   ivec2 size{1280, 720};
   std::optional<int> samples;
   path::Settings settings;
@@ -59,6 +62,9 @@ struct RenderOptions {
 
 /// Adds `render` with its options to `app`. They fill `options`, which must outlive the parsing.
 CLI::App* add_render_options(CLI::App& app, RenderOptions& options);
+
+/// The name that a scene's picture has unless another is given: the file's, or that of a demo.
+std::string default_stem(const std::string& scene);
 
 /// Fills what follows from several options together and refuses combinations that make no sense (UsageError).
 void finish_options(const CLI::App& verb, RenderOptions& options);

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "ibl/bake.h"
+#include "image/texel.h"
 #include "image/texture_file.h"
 #include "math/hash.h"
 
@@ -39,21 +40,6 @@ std::uint64_t fingerprint(std::uint64_t h, const void* data, std::size_t bytes) 
   }
   for (; bytes > 0; ++p, --bytes) h = (h ^ *p) * 0x100000001b3ull;
   return h;
-}
-
-std::string key_of(const Environment& environment, bool wants_sheen) {
-  std::uint64_t h = 0xcbf29ce484222325ull;
-  if (environment.map != nullptr) {
-    h = fingerprint(h, environment.map->pixels.data(), environment.map->pixels.size() * sizeof(float));
-    h = fingerprint(h, &environment.map->width, sizeof environment.map->width);
-  }
-  h = fingerprint(h, &environment.constant, sizeof environment.constant);
-  h = fingerprint(h, &environment.intensity, sizeof environment.intensity);
-  h = fingerprint(h, &environment.rotation, sizeof environment.rotation);
-  constexpr int kDigits = 16;
-  std::string text(kDigits, '0');
-  for (int i = 0; i < kDigits; ++i) text[static_cast<std::size_t>(i)] = "0123456789abcdef"[h >> (60 - 4 * i) & 15u];
-  return "light-" + std::to_string(kFormat) + "-" + text + (wants_sheen ? "-sheen" : "");
 }
 
 /// The three cubes in one file: the sheen's levels and the irradiance are cubes of their own beside the first.
@@ -107,6 +93,21 @@ void write_cached(const CacheFiles& files, const BakedLight& light) {
 
 }  // namespace
 
+LightKey light_key(const Environment& environment, bool wants_sheen) {
+  std::uint64_t h = 0xcbf29ce484222325ull;
+  if (environment.map != nullptr) {
+    h = fingerprint(h, environment.map->pixels.data(), environment.map->pixels.size() * sizeof(float));
+    h = fingerprint(h, &environment.map->width, sizeof environment.map->width);
+  }
+  h = fingerprint(h, &environment.constant, sizeof environment.constant);
+  h = fingerprint(h, &environment.intensity, sizeof environment.intensity);
+  h = fingerprint(h, &environment.rotation, sizeof environment.rotation);
+  constexpr int kDigits = 16;
+  std::string text(kDigits, '0');
+  for (int i = 0; i < kDigits; ++i) text[static_cast<std::size_t>(i)] = "0123456789abcdef"[h >> (60 - 4 * i) & 15u];
+  return "light-" + std::to_string(kFormat) + "-" + text + (wants_sheen ? "-sheen" : "");
+}
+
 std::filesystem::path default_cache() {
   const auto variable = [](const char* name) {
     const char* value = std::getenv(name);
@@ -121,7 +122,7 @@ BakedLight bake_light(const Environment& environment, bool wants_sheen, const st
   Environment shadowless = environment;
   shadowless.suns.clear();
   BakedLight light;
-  const CacheFiles files(cache, key_of(shadowless, wants_sheen));
+  const CacheFiles files(cache, light_key(environment, wants_sheen));
   if (!cache.empty() && read_cached(files, wants_sheen, light)) return light;
 
   ibl::BakeSettings settings;
@@ -143,20 +144,19 @@ BakedLight bake_light(const Environment& environment, bool wants_sheen, const st
 gl::Texture upload_cube(const Cubemap& cube) {
   gl::Texture texture;
   glBindTexture(GL_TEXTURE_CUBE_MAP, texture);
-  constexpr float kMostHalf = 65504.0f;
-  std::vector<float> rgba;
+  // Rounded as in the files of a cache, so that a picture does not depend on whether there was one.
+  std::vector<std::uint16_t> rgba;
   for (std::size_t level = 0; level < cube.levels.size(); ++level) {
     const int size = cube.size(level);
-    rgba.resize(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * 4);
+    rgba.assign(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * 4, half_from_float(1.0f));
     for (std::size_t face = 0; face < 6; ++face) {
       const Image& image = cube.levels[level][face];
-      const std::size_t channels = static_cast<std::size_t>(image.channels);
+      const auto channels = static_cast<std::size_t>(image.channels);
       for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
-        for (std::size_t c = 0; c < 3; ++c) rgba[4 * i + c] = std::min(image.pixels[channels * i + c], kMostHalf);
-        rgba[4 * i + 3] = 1.0f;
+        for (std::size_t c = 0; c < 3; ++c) rgba[4 * i + c] = half_from_float(image.pixels[channels * i + c]);
       }
       glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + static_cast<GLenum>(face), static_cast<GLint>(level), GL_RGBA16F,
-                   size, size, 0, GL_RGBA, GL_FLOAT, rgba.data());
+                   size, size, 0, GL_RGBA, GL_HALF_FLOAT, rgba.data());
     }
   }
   glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(cube.levels.size()) - 1);

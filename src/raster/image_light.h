@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "gl/gl.h"
 #include "image/cubemap.h"
@@ -16,6 +17,10 @@ struct BakedLight {
   CubeFaces irradiance;    ///< not divided by π
   bool is_cached = false;  ///< came from a file of an earlier run
 };
+
+/// Names the light of an environment without its suns; equal for equal light.
+using LightKey = std::string;
+LightKey light_key(const Environment& environment, bool wants_sheen);
 
 /// Bakes, or reads what an earlier run baked from the same light. `cache` is the folder of such files; empty = none is
 /// read or written. A damaged or unwritable cache is no error.

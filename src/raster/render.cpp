@@ -76,39 +76,25 @@ std::uint64_t picture_bytes(const Settings& settings) {
   return pixels * (samples * 12 + 24 + 48 + film_bytes_per_pixel(settings.layers));
 }
 
-Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
-            Diagnostics& diagnostics, Statistics* statistics) {
-  Statistics ignored;
-  Statistics& s = statistics != nullptr ? *statistics : ignored;
+struct Session::Parts {
+  std::unique_ptr<gl::Context> context;
+  double open_s = 0.0;
+  LightKey key;  ///< of `light`
+  BakedLight light;
+};
+
+Session::Session() : parts_(std::make_unique<Parts>()) {
   Stopwatch watch;
-  const auto context = gl::Context::open();
-  s.driver = context->renderer();
-  s.open_s = watch.lap();
+  parts_->context = gl::Context::open();
+  parts_->open_s = watch.lap();
+}
 
-  // The light is baked while this thread, the driver's, uploads and compiles.
-  const auto bake = [&] {
-    Stopwatch baking;
-    BakedLight light;
-    if (has_light(environment)) light = bake_light(environment, uses_sheen(scene), settings.cache);
-    s.light_s = baking.lap();
-    return light;
-  };
-  std::future<BakedLight> baked = std::async(std::launch::async, bake);
-  Renderer renderer(scene, environment, settings, diagnostics);
-  glFinish();
-  s.upload_s = watch.lap();
-  renderer.begin(view);
-  glFinish();
-  s.shadow_s = watch.lap();
-  renderer.warm_up(view);
-  s.compile_s = watch.lap();
-  {
-    const BakedLight light = baked.get();
-    s.is_light_cached = light.is_cached;
-    renderer.set_light(light);
-  }
-  watch.lap();
+Session::~Session() = default;
 
+namespace {
+
+/// The mean of a view's frames.
+Film draw_view(Renderer& renderer, const View& view, const Settings& settings, Statistics& s) {
   Film film;
   film.beauty = Image(settings.width, settings.height, 4);
   for (int frame = 0; frame < settings.frames; ++frame) {
@@ -128,11 +114,65 @@ Film render(const Scene& scene, const Environment& environment, const View& view
   }
   apply_vignetting(view, film.beauty);
   for (const Layer layer : settings.layers) film.layers[layer] = renderer.read_layer(view, layer);
-  s.frame_s = watch.lap();
-  s.frames = settings.frames;
+  return film;
+}
+
+}  // namespace
+
+void Session::draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
+                   const Settings& settings, Diagnostics& diagnostics,
+                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics) {
+  Statistics ignored;
+  Statistics& s = statistics != nullptr ? *statistics : ignored;
+  Stopwatch watch;
+  s.driver = parts_->context->renderer();
+  s.open_s = parts_->open_s;
+
+  // The light is baked while this thread, the driver's, uploads and compiles.
+  const auto bake = [&] {
+    Stopwatch baking;
+    const LightKey key = light_key(environment, uses_sheen(scene));
+    if (key != parts_->key) {
+      parts_->light =
+          has_light(environment) ? bake_light(environment, uses_sheen(scene), settings.cache) : BakedLight{};
+      parts_->key = key;
+    }
+    s.light_s = baking.lap();
+  };
+  std::future<void> baked = std::async(std::launch::async, bake);
+  Renderer renderer(scene, environment, settings, diagnostics);
+  glFinish();
+  s.upload_s = watch.lap();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    watch.lap();
+    renderer.begin(views[i]);
+    glFinish();
+    s.shadow_s += watch.lap();
+    if (i == 0) {
+      renderer.warm_up(views[i]);
+      s.compile_s = watch.lap();
+      baked.get();
+      s.is_light_cached = parts_->light.is_cached;
+      renderer.set_light(parts_->light);
+      watch.lap();
+    }
+    Film film = draw_view(renderer, views[i], settings, s);
+    s.frame_s += watch.lap();
+    take(i, std::move(film));
+  }
+  s.frames = settings.frames * static_cast<int>(views.size());
   s.programs = static_cast<int>(renderer.programs().count());
   s.triangles = renderer.scene().triangle_count();
   s.draws = renderer.scene().draws().size();
+}
+
+Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
+            Diagnostics& diagnostics, Statistics* statistics) {
+  Film film;
+  Session session;
+  session.draw(
+      scene, environment, {view}, settings, diagnostics, [&film](std::size_t, Film drawn) { film = std::move(drawn); },
+      statistics);
   return film;
 }
 

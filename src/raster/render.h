@@ -1,8 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "base/diagnostics.h"
 #include "image/film.h"
@@ -46,8 +49,28 @@ struct Statistics {
   std::uint64_t non_finite_pixels = 0;  ///< must be 0; each is black in the picture
 };
 
-/// Draws `scene` under `environment`. Opens an OpenGL context of its own and closes it. Throws Error where there is
-/// none, or where the driver refuses a shader or runs out of memory.
+/// An OpenGL context, and the environment that was baked last: many pictures pay for them once. To be used on the
+/// thread that made it.
+class Session {
+ public:
+  /// Throws Error where there is no OpenGL.
+  Session();
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Draws `scene` under `environment` from each of `views`, uploading and compiling once, and hands each picture to
+  /// `take` with the index of its view. Throws Error where the driver refuses a shader or runs out of memory.
+  void draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
+            const Settings& settings, Diagnostics& diagnostics, const std::function<void(std::size_t, Film)>& take,
+            Statistics* statistics = nullptr);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// One picture, by a Session of its own. Throws Error.
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             Diagnostics& diagnostics, Statistics* statistics = nullptr);
 
