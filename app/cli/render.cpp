@@ -50,7 +50,7 @@ struct Job {
 /// Never overwrite what the picture is made from, and find out about an unwritable path before hours of work.
 void check_paths(const RenderOptions& o) {
   std::vector<fs::path> written;
-  for (const std::string& output : o.outputs) written.push_back(frame_name(output, 0));
+  for (const std::string& output : o.outputs) written.emplace_back(frame_name(output, 0));
   if (o.stats && *o.stats != "-") written.push_back(*o.stats);
   for (const fs::path& path : written) {
     for (const std::string& source : {o.scene, o.environment.value_or("")}) {
@@ -71,6 +71,8 @@ raster::Settings raster_settings(const RenderOptions& o) {
                                                                                : raster::Background::environment;
   settings.shading = o.settings.shading;
   settings.layers = o.settings.layers;
+  settings.quantity = o.quantity;
+  settings.shown_light = o.shown_light;
   if (o.keeps_cache) settings.cache = raster::default_cache();
   settings.shader_folder = o.shader_folder;
   return settings;
@@ -189,6 +191,12 @@ Job prepare(const RenderOptions& o, Shared& shared, Diagnostics& diagnostics) {
   job.develop = default_develop(job.scene, job.environment);
   if (o.exposure) job.develop.exposure = *o.exposure;
   job.develop.tone_curve = o.tone_curve;
+  if (raster::is_of_surface(o.quantity) || o.quantity == raster::Quantity::luminance ||
+      o.quantity == raster::Quantity::non_finite) {
+    // Numbers, not light: shown as they are.
+    job.develop.exposure = 1.0f;
+    job.develop.tone_curve = ToneCurve::linear;
+  }
   job.develop.background = o.background.color;
 
   if (world_bounds(job.scene).empty()) diagnostics.warn("nothing in the scene has a mesh", o.scene);

@@ -11,6 +11,7 @@
 #include "cli/output.h"
 #include "cli/values.h"
 #include "io/demo.h"
+#include "raster/blocks.h"
 
 namespace candela::cli {
 
@@ -164,6 +165,21 @@ void add_raster(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--msaa", "N", o.msaa, count_within(1, 16),
             "Samples of each frame at edges, 1 to what the driver has [4]")
       ->group(group);
+  const auto quantity = [&o](const std::string& text) {
+    constexpr std::string_view kLight = "light:";
+    if (text.starts_with(kLight)) {
+      o.shown_light = count_within(0, raster::kMostLights - 1)(text.substr(kLight.size()));
+      return raster::Quantity::one_light;
+    }
+    try {
+      return raster::parse_quantity(text);
+    } catch (const Error& error) {
+      throw UsageError(error.message());
+    }
+  };
+  add_value(verb, "--view", "NAME", o.quantity, quantity,
+            "One quantity in place of all light: normal, base-color, roughness, specular, light:0, … [light]")
+      ->group(group);
   verb->add_flag("!--no-cache", o.keeps_cache, "Bake the environment anew, and keep nothing of it")->group(group);
   const auto folder = [](const std::string& value) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
@@ -245,7 +261,7 @@ void check_engine(const CLI::App& verb, const RenderOptions& o) {
     refuse({"--time", "--noise", "--bounces", "--seed", "--filter", "--integrator"}, "only for --engine path");
     if (o.settings.layers.contains(Layer::object_id) && o.msaa < 1) throw UsageError("--msaa: must be positive");
   } else {
-    refuse({"--msaa", "--no-cache", "--shaders"}, "only for --engine raster");
+    refuse({"--msaa", "--no-cache", "--shaders", "--view"}, "only for --engine raster");
   }
 }
 

@@ -10,6 +10,7 @@
 #include "cli/values.h"
 #include "image/develop.h"
 #include "path/render.h"
+#include "raster/quantity.h"
 #include "scene/view.h"
 
 namespace candela::cli {
@@ -27,8 +28,10 @@ struct RenderOptions {
   path::Settings settings;
   std::string shading;  ///< as given; empty = the default
   Engine engine = Engine::path;
-  int msaa = 4;               ///< raster
-  bool keeps_cache = true;    ///< raster
+  int msaa = 4;             ///< raster
+  bool keeps_cache = true;  ///< raster
+  raster::Quantity quantity = raster::Quantity::light;
+  int shown_light = 0;
   std::string shader_folder;  ///< raster; empty = the shaders in the program
   int threads = 0;
 

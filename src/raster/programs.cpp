@@ -1,5 +1,6 @@
 #include "raster/programs.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -51,8 +52,10 @@ std::string slots_text(const MaterialKey& key, std::uint32_t mask) {
     if ((mask >> i & 1u) == 0) continue;
     const std::string name = kSlotNames[i];
     const std::string uv = key.is_plain_uv ? "v_uv.xy" : "slot_uv(" + std::to_string(i) + ")";
-    text += define("HAS_" + name) + "uniform sampler2D " + name + "_texture;\n#define " + name + "_texel() texture(" +
-            name + "_texture, " + uv + ")\n";
+    text += define("HAS_" + name);
+    text += "uniform sampler2D " + name + "_texture;\n";
+    text += "#define " + name + "_uv() " + uv + "\n";
+    text += "#define " + name + "_texel() texture(" + name + "_texture, " + uv + ")\n";
   }
   return text;
 }
@@ -82,10 +85,14 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass) {
   add(pass.has_sheen_light, "HAS_SHEEN_LIGHT");
   add(pass.has_opaque_picture, "HAS_OPAQUE_PICTURE");
   if (key.emissive > 0) text += define("IS_EMISSIVE", key.emissive);
-  static constexpr std::array<const char*, 6> kQuantities = {"",           "SHOW_ALBEDO",   "SHOW_NORMAL",
-                                                             "SHOW_DEPTH", "SHOW_POSITION", "SHOW_OBJECT_ID"};
-  if (pass.quantity != Quantity::light) {
-    text += define("HAS_QUANTITY") + define(kQuantities[static_cast<std::size_t>(pass.quantity)]);
+  if (is_of_surface(pass.quantity)) {
+    // "base-color" is SHOW_base_color.
+    for (int i = 0; i < kQuantityCount; ++i) {
+      std::string name = "SHOW_" + std::string(quantity_name(static_cast<Quantity>(i)));
+      std::replace(name.begin(), name.end(), '-', '_');
+      text += define(name, i);
+    }
+    text += define("SHOW", static_cast<int>(pass.quantity));
   }
   return text;
 }

@@ -8,11 +8,9 @@
 #include "gl/gl.h"
 #include "gl/shader_text.h"
 #include "raster/blocks.h"
+#include "raster/quantity.h"
 
 namespace candela::raster {
-
-/// What the picture shows: light, or one quantity that a shader knows on its way to it.
-enum class Quantity { light, albedo, normal, depth, position, object_id };
 
 /// What of a material decides the text of its shader; everything else is data.
 struct MaterialKey {
@@ -35,8 +33,8 @@ struct PassKey {
   bool has_lights = false;
   bool has_sheen_light = false;
   bool has_opaque_picture = false;
-  bool has_coverage = false;  ///< masks become coverage of several samples
-  Quantity quantity = Quantity::light;
+  bool has_coverage = false;            ///< masks become coverage of several samples
+  Quantity quantity = Quantity::light;  ///< light, or one of a surface
 
   auto operator<=>(const PassKey&) const = default;
 };

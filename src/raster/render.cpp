@@ -110,9 +110,20 @@ Film draw_view(Renderer& renderer, const View& view, const Settings& settings, S
       const bool is_good = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]) && std::isfinite(p[3]);
       if (!is_good) ++s.non_finite_pixels;
       for (std::size_t c = 0; c < 4; ++c) film.beauty.pixels[i + c] += is_good ? share * p[c] : 0.0f;
+      if (settings.quantity == Quantity::non_finite) {
+        const vec4 judged = is_good ? vec4(vec3(0.05f * p[3]), p[3]) : vec4(1, 0, 1, 1);
+        for (int c = 0; c < 4; ++c) film.beauty.pixels[i + static_cast<std::size_t>(c)] = judged[c];
+      }
     }
   }
   apply_vignetting(view, film.beauty);
+  if (settings.quantity == Quantity::luminance) {
+    for (std::size_t i = 0; i < film.beauty.pixels.size(); i += 4) {
+      float* p = film.beauty.pixels.data() + i;
+      const vec3 color = false_color(luminance(vec3(p[0], p[1], p[2])));
+      p[0] = color.x, p[1] = color.y, p[2] = color.z;
+    }
+  }
   for (const Layer layer : settings.layers) film.layers[layer] = renderer.read_layer(view, layer);
   return film;
 }

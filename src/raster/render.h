@@ -9,6 +9,7 @@
 
 #include "base/diagnostics.h"
 #include "image/film.h"
+#include "raster/quantity.h"
 #include "scene/scene.h"
 #include "scene/view.h"
 #include "shade/model.glsl.h"
@@ -27,6 +28,8 @@ struct Settings {
   /// frames there are.
   bool specular_antialiasing = true;
   Background background = Background::environment;
+  Quantity quantity = Quantity::light;  ///< shown in place of all light; then without a background
+  int shown_light = 0;                  ///< of Quantity::one_light, the strongest is 0
   shade::ShadingModel shading = shade::shading_model_candela();
   std::set<Layer> layers{};
   std::filesystem::path cache{};  ///< folder of baked environments; empty = none is kept

@@ -237,7 +237,8 @@ void Renderer::bind_shared(const FrameCamera& camera) {
                  settings_.specular_antialiasing ? 1.0f / static_cast<float>(settings_.frames) : 0.0f};
   block.target = {static_cast<float>(settings_.width), static_cast<float>(settings_.height),
                   static_cast<float>(picture_levels_), 0.0f};
-  block.counts = {lights_.count, 0, 0, 0};
+  block.counts = {lights_.count, parts_of(settings_.quantity),
+                  settings_.quantity == Quantity::one_light ? settings_.shown_light : -1, 0};
   glBindBuffer(GL_UNIFORM_BUFFER, frame_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof block, &block, GL_DYNAMIC_DRAW);
   glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, frame_block_);
@@ -363,13 +364,20 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
 
   PassKey pass;
   pass.has_lights = lights_.count > 0;
+  if (is_of_surface(settings_.quantity)) {
+    draw_quantity(settings_.quantity, camera);
+    resolve(resolved_framebuffer_);
+    gl::check("drawing");
+    return;
+  }
   pass.has_sheen_light = gpu_.has_lobe(shade::kLobeSheen);
   pass.has_coverage = settings_.msaa > 1;
   if (pass.has_coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   draw_surfaces(opaque, pass, camera);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   pass.has_coverage = false;
-  if (settings_.background == Background::environment) draw_background(camera);
+  const bool is_whole = settings_.quantity == Quantity::light || settings_.quantity == Quantity::luminance;
+  if (settings_.background == Background::environment && is_whole) draw_background(camera);
 
   if (!transmissive.empty() || !blended.empty()) {
     pass.has_opaque_picture = gpu_.has_lobe(shade::kLobeTransmission);
@@ -408,23 +416,23 @@ Image read_pixels(int width, int height) {
   return image;
 }
 
-Quantity quantity_of(Layer layer) {
-  switch (layer) {
-    case Layer::albedo:
-      return Quantity::albedo;
-    case Layer::normal:
-      return Quantity::normal;
-    case Layer::depth:
-      return Quantity::depth;
-    case Layer::position:
-      return Quantity::position;
-    case Layer::object_id:
-      return Quantity::object_id;
-  }
-  return Quantity::light;
-}
-
 }  // namespace
+
+void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
+  std::vector<std::size_t> all(gpu_.draws().size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+  PassKey pass;
+  pass.has_lights = lights_.count > 0;
+  pass.quantity = quantity;
+  if (quantity == Quantity::overdraw) {
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+  }
+  draw_surfaces(all, pass, camera);
+  glEnable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+}
 
 Image Renderer::read() {
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_framebuffer_);
@@ -453,11 +461,7 @@ Image Renderer::read_layer(const View& view, Layer layer) {
   glClearBufferfv(GL_COLOR, 0, clear.data());
   glClearDepthf(1.0f);
   glClear(GL_DEPTH_BUFFER_BIT);
-  std::vector<std::size_t> all(gpu_.draws().size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-  PassKey pass;
-  pass.quantity = quantity_of(layer);
-  draw_surfaces(all, pass, camera);
+  draw_quantity(quantity_of(layer), camera);
   const Image rgba = read_pixels(settings_.width, settings_.height);
   const int channels = layer == Layer::depth || layer == Layer::object_id ? 1 : 3;
   Image image(settings_.width, settings_.height, channels);

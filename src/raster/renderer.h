@@ -47,6 +47,7 @@ class Renderer {
   void draw_background(const FrameCamera& camera);
   /// Draws those of `order` with the programs of `pass`.
   void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
+  void draw_quantity(Quantity quantity, const FrameCamera& camera);
   void draw_one(std::size_t index, const PassKey& pass);
   void resolve(GLuint framebuffer);
 

@@ -39,8 +39,19 @@ float shadow_in(int layer, vec3 position, vec3 normal, float n_dot_l) {
                  texture(shadow_maps, vec4(at.x + d.x, at.y + d.y, l, z)));
 }
 
+/// Which cascade of a directional light holds a point: the finest that does.
+int light_cascade(Light light, vec3 position) {
+  int first = int(light.cone.z), last = int(light.cone.w) - 1;
+  for (int i = 0; i < last; ++i) {
+    vec4 clip = shadow_from_world[first + i] * vec4(position, 1.0);
+    vec2 edge = abs(clip.xy / clip.w);
+    if (max(edge.x, edge.y) < 0.97) return i;
+  }
+  return last;
+}
+
 float light_shadow(Light light, vec3 position, vec3 normal, vec3 wi) {
-  int first = int(light.cone.z), count = int(light.cone.w);
+  int first = int(light.cone.z);
   if (first < 0) return 1.0;
   float n_dot_l = dot(normal, wi);
   if (int(light.position.w) == 0) {
@@ -49,13 +60,8 @@ float light_shadow(Light light, vec3 position, vec3 normal, vec3 wi) {
     int face = a.x >= a.y && a.x >= a.z ? (wi.x > 0.0 ? 1 : 0) : a.y >= a.z ? (wi.y > 0.0 ? 3 : 2) : (wi.z > 0.0 ? 5 : 4);
     return shadow_in(first + face, position, normal, n_dot_l);
   }
-  // Cascades: the finest that holds the point.
-  for (int i = 0; i < count; ++i) {
-    vec4 clip = shadow_from_world[first + i] * vec4(position, 1.0);
-    vec2 edge = abs(clip.xy / clip.w);
-    if (i + 1 == count || max(edge.x, edge.y) < 0.97) return shadow_in(first + i, position, normal, n_dot_l);
-  }
-  return 1.0;
+  int layer = first + (int(light.position.w) == 2 ? light_cascade(light, position) : 0);
+  return shadow_in(layer, position, normal, n_dot_l);
 }
 
 /// Irradiance on a surface that faces the light, and the direction towards it.

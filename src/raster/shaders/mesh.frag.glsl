@@ -27,7 +27,7 @@ uniform highp samplerCube sheen_light;
 uniform highp sampler2D opaque_picture;
 #endif
 
-#ifdef SHOW_OBJECT_ID
+#if defined(SHOW) && SHOW == SHOW_id
 uniform float object_id;
 #endif
 
@@ -289,13 +289,16 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha) {
 }
 #endif
 
+/// 1 where a part of the light is shown.
+float part(int bit) { return (counts.y & bit) != 0 ? 1.0 : 0.0; }
+
 vec3 far_light(Point p, SurfaceParams params, Surface s, vec3 wo, mat3 frame) {
   SurfaceShares shares = surface_shares(s, wo);
   vec3 n = p.normal;
   float visible = occlusion();
   vec3 color = vec3(0.0);
   if (light.y > 0.5) {
-    color = shares.diffuse * texture(diffuse_light, n).rgb * (visible / kShadePi);
+    color = shares.diffuse * texture(diffuse_light, n).rgb * (part(1) * visible / kShadePi);
     vec3 bent = n;
 #ifdef HAS_ANISOTROPY
     // The lobe is wide along x: the normal leans towards the viewer in the plane across it.
@@ -306,27 +309,27 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, vec3 wo, mat3 frame) {
     if (dot(bent, n) < 0.0) bent = n;
 #endif
     float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
-    color += (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * specular_visible;
+    color += (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * (part(2) * specular_visible);
 #ifdef HAS_LAYERS
 #ifdef HAS_BELOW
-    color += shares.below * texture(diffuse_light, -n).rgb * (1.0 / kShadePi);
+    color += shares.below * texture(diffuse_light, -n).rgb * (part(1) / kShadePi);
 #endif
 #ifdef HAS_SHEEN
 #ifdef HAS_SHEEN_LIGHT
-    color += shares.sheen * textureLod(sheen_light, 2.0 * wo.z * n - p.wo, image_light_level(roughness_to_alpha(s.sheen_roughness), light.x)).rgb * visible;
+    color += shares.sheen * textureLod(sheen_light, 2.0 * wo.z * n - p.wo, image_light_level(roughness_to_alpha(s.sheen_roughness), light.x)).rgb * (part(8) * visible);
 #else
-    color += shares.sheen * texture(diffuse_light, n).rgb * (visible / kShadePi);
+    color += shares.sheen * texture(diffuse_light, n).rgb * (part(8) * visible / kShadePi);
 #endif
 #endif
 #ifdef HAS_COAT
     vec3 nc = normalize(frame * s.coat_normal);
     color += shares.coat * mirrored_light(p, nc, s.coat_alpha) *
-             image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha);
+             (part(4) * image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha));
 #endif
 #endif
   }
 #ifdef HAS_TRANSMISSION
-  color += shares.through * transmitted_light(p, params, s.alpha);
+  color += shares.through * transmitted_light(p, params, s.alpha) * part(16);
 #endif
   return color;
 }
@@ -390,6 +393,7 @@ vec4 shaded() {
   vec3 color = far_light(p, h.params, s, wo, frame);
 #ifdef HAS_LIGHTS
   for (int i = 0; i < counts.x; ++i) {
+    if (counts.z >= 0 && counts.z != i) continue;
     vec3 wi;
     vec3 e = light_arriving(lights[i], v_position, wi);
     bool is_outside = dot(p.vertex_normal, wi) > 0.0;
@@ -398,41 +402,75 @@ vec4 shaded() {
     if (is_outside != (local.z > 0.0) || shade_max3(e) <= 0.0) continue;
     vec3 value = surface_eval(s, wo, local).value;
     if (shade_max3(value) <= 0.0) continue;
-    color += value * e * light_shadow(lights[i], v_position, is_outside ? p.vertex_normal : -p.vertex_normal, wi);
+    color += part(32) * value * e * light_shadow(lights[i], v_position, is_outside ? p.vertex_normal : -p.vertex_normal, wi);
   }
 #endif
 #ifdef IS_EMISSIVE
-  color += emitted_light(is_back, s);
+  color += part(64) * emitted_light(is_back, s);
 #endif
   return vec4(color, 1.0);
 #endif
 }
 
-#ifdef HAS_QUANTITY
+#ifdef SHOW
 /// What of the surface is asked for in place of its light.
-vec4 quantity() {
-#if defined(SHOW_POSITION)
+vec4 quantity(float opacity) {
+  bool is_back = !gl_FrontFacing;
+#if SHOW == SHOW_position
   return vec4(v_position, 1.0);
-#elif defined(SHOW_DEPTH)
+#elif SHOW == SHOW_depth
   return vec4(eye.w > 0.5 ? distance(eye.xyz, v_position) : dot(eye.xyz - v_position, back.xyz));
-#elif defined(SHOW_OBJECT_ID)
+#elif SHOW == SHOW_id
   return vec4(object_id);
-#elif defined(IS_UNLIT)
-#ifdef SHOW_NORMAL
-  return vec4(make_point(!gl_FrontFacing).normal, 1.0);
+#elif SHOW == SHOW_normal
+  return vec4(make_point(is_back).normal, 1.0);
+#elif SHOW == SHOW_facet
+  return vec4(make_point(is_back).geometric, 1.0);
+#elif SHOW == SHOW_tangent
+  return vec4(make_point(is_back).tangent, 1.0);
+#elif SHOW == SHOW_uv
+  return vec4(fract(v_uv.xy), 0.0, 1.0);
+#elif SHOW == SHOW_uv1
+  return vec4(fract(v_uv.zw), 0.0, 1.0);
+#elif SHOW == SHOW_base_color
+  return vec4(fetch_base_color(), 1.0);
+#elif SHOW == SHOW_metallic
+  return vec4(vec3(fetch_params().metallic), 1.0);
+#elif SHOW == SHOW_roughness
+  return vec4(vec3(fetch_params().roughness), 1.0);
+#elif SHOW == SHOW_occlusion
+  return vec4(vec3(occlusion()), 1.0);
+#elif SHOW == SHOW_opacity
+  return vec4(vec3(opacity), 1.0);
+#elif SHOW == SHOW_facing
+  return is_back ? vec4(0.8, 0.1, 0.05, 1.0) : vec4(0.1, 0.6, 0.1, 1.0);
+#elif SHOW == SHOW_overdraw
+  return vec4(0.1, 0.1, 0.1, 1.0);
+#elif SHOW == SHOW_mips
+#ifdef HAS_base_color
+  vec2 texels = base_color_uv() * vec2(textureSize(base_color_texture, 0));
+  vec2 dx = dFdx(texels), dy = dFdy(texels);
+  return vec4(vec3(max(0.5 * log2(max(dot(dx, dx), dot(dy, dy))), 0.0) * 0.1), 1.0);
 #else
-  return vec4(1.0);  // as what emits: it is no reflectance
+  return vec4(0.0, 0.0, 0.0, 1.0);
 #endif
+#elif SHOW == SHOW_cascades
+#ifdef HAS_LIGHTS
+  for (int i = 0; i < counts.x; ++i) {
+    if (int(lights[i].position.w) != 2 || lights[i].cone.z < 0.0) continue;
+    int c = light_cascade(lights[i], v_position);
+    return vec4(c == 0 ? vec3(0.8, 0.1, 0.1) : c == 1 ? vec3(0.1, 0.8, 0.1) : c == 2 ? vec3(0.1, 0.2, 0.9) : vec3(0.8, 0.7, 0.1), 1.0);
+  }
+#endif
+  return vec4(0.1, 0.1, 0.1, 1.0);
+#elif defined(IS_UNLIT)
+  return vec4(1.0);  // as what emits: it is no reflectance
 #else
-  Shading h = prepare(!gl_FrontFacing);
-#ifdef SHOW_NORMAL
-  return vec4(h.point.normal, 1.0);
-#else
+  Shading h = prepare(is_back);
 #ifdef IS_EMISSIVE
-  if (shade_max3(emitted_light(!gl_FrontFacing, h.surface)) > 0.0) return vec4(1.0);
+  if (shade_max3(emitted_light(is_back, h.surface)) > 0.0) return vec4(1.0);
 #endif
   return vec4(min(surface_albedo(h.surface), vec3(1.0)), 1.0);
-#endif
 #endif
 }
 #endif
@@ -452,13 +490,15 @@ void main() {
 #ifdef ALPHA_BLEND
   opacity = clamp(fetch_opacity(), 0.0, 1.0);
 #endif
-#ifdef HAS_QUANTITY
+#ifdef SHOW
+#if SHOW != SHOW_opacity && SHOW != SHOW_overdraw
   if (opacity < 0.5) discard;
-  o_color = quantity();
+#endif
+  o_color = quantity(opacity);
 #else
   o_color = shaded();
 #endif
-#if defined(ALPHA_BLEND) && !defined(HAS_QUANTITY)
+#if defined(ALPHA_BLEND) && !defined(SHOW)
   o_color = o_color * opacity;
 #endif
 #ifdef ALPHA_TO_COVERAGE
