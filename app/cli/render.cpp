@@ -71,6 +71,7 @@ raster::Settings raster_settings(const RenderOptions& o) {
                                                                                : raster::Background::environment;
   settings.shading = o.settings.shading;
   settings.layers = o.settings.layers;
+  settings.occlusion_radius = o.occlusion_radius;
   settings.quantity = o.quantity;
   settings.shown_light = o.shown_light;
   if (o.keeps_cache) settings.cache = raster::default_cache();

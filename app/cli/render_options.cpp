@@ -180,6 +180,10 @@ void add_raster(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--view", "NAME", o.quantity, quantity,
             "One quantity in place of all light: normal, base-color, roughness, specular, light:0, … [light]")
       ->group(group);
+  add_value(
+      verb, "--ao", "X", o.occlusion_radius, number_within(0.0f, 1.0f),
+      "How far surfaces take the environment's light from each other, over the scene's size, e.g. 0.05 [0: not at all]")
+      ->group(group);
   verb->add_flag("!--no-cache", o.keeps_cache, "Bake the environment anew, and keep nothing of it")->group(group);
   const auto folder = [](const std::string& value) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
@@ -261,7 +265,7 @@ void check_engine(const CLI::App& verb, const RenderOptions& o) {
     refuse({"--time", "--noise", "--bounces", "--seed", "--filter", "--integrator"}, "only for --engine path");
     if (o.settings.layers.contains(Layer::object_id) && o.msaa < 1) throw UsageError("--msaa: must be positive");
   } else {
-    refuse({"--msaa", "--no-cache", "--shaders", "--view"}, "only for --engine raster");
+    refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao"}, "only for --engine raster");
   }
 }
 

@@ -10,7 +10,7 @@
 #include "cli/values.h"
 #include "image/develop.h"
 #include "path/render.h"
-#include "raster/quantity.h"
+#include "raster/render.h"
 #include "scene/view.h"
 
 namespace candela::cli {
@@ -32,6 +32,7 @@ struct RenderOptions {
   bool keeps_cache = true;  ///< raster
   raster::Quantity quantity = raster::Quantity::light;
   int shown_light = 0;
+  float occlusion_radius = raster::Settings{}.occlusion_radius;
   std::string shader_folder;  ///< raster; empty = the shaders in the program
   int threads = 0;
 

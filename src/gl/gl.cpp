@@ -1,5 +1,6 @@
 #include "gl/gl.h"
 
+#include <EGL/egl.h>
 #include <EGL/eglext.h>
 
 #include <array>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <EGL/egl.h>
 #include <GLES3/gl3.h>
 
 #include <map>
@@ -25,10 +24,10 @@ class Context {
   std::string renderer() const;
 
  private:
-  Context(EGLDisplay display, EGLContext context) : display_(display), context_(context) {}
+  Context(void* display, void* context) : display_(display), context_(context) {}
 
-  EGLDisplay display_;
-  EGLContext context_;
+  void* display_;  // of EGL, whose header stays in gl.cpp
+  void* context_;
 };
 
 /// Whether the driver names an extension, e.g. "GL_EXT_color_buffer_float".

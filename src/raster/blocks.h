@@ -55,6 +55,6 @@ struct LightsBlock {
 };
 
 /// Binding points of the blocks, the same in every program.
-enum Binding : unsigned { kFrameBinding, kMaterialBinding, kLightsBinding };
+enum Binding : unsigned { frame_binding, material_binding, lights_binding };
 
 }  // namespace candela::raster

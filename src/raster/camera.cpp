@@ -70,14 +70,15 @@ FrameCamera frame_camera(const View& view, int width, int height, const Box3& bo
     const vec2 middle = -lens / (view.lens.radius > 0.0f ? view.lens.focus_distance : 1.0f);
     const vec2 low = (middle - extent - shift * extent) * near;
     const vec2 high = (middle + extent - shift * extent) * near;
-    camera.clip_from_world = perspective_projection(low, high, near, far) * lens_from_world;
+    camera.clip_from_camera = perspective_projection(low, high, near, far);
   } else {
     const auto& orthographic = std::get<OrthographicCamera>(view.projection);
     const vec2 extent(orthographic.xmag, orthographic.ymag);
     camera.is_perspective = false;
     const vec2 low = -extent - shift * extent, high = extent - shift * extent;
-    camera.clip_from_world = orthographic_projection(low, high, range.x, range.y) * lens_from_world;
+    camera.clip_from_camera = orthographic_projection(low, high, range.x, range.y);
   }
+  camera.clip_from_world = camera.clip_from_camera * lens_from_world;
   return camera;
 }
 

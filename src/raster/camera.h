@@ -8,6 +8,7 @@ namespace candela::raster {
 /// The view of one frame: a View as a rasterizer takes it.
 struct FrameCamera {
   mat4 clip_from_world{1.0f};
+  mat4 clip_from_camera{1.0f};
   vec3 eye{0.0f};
   vec3 back{0, 0, 1};  ///< unit, towards the viewer
   bool is_perspective = true;

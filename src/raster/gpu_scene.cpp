@@ -29,6 +29,7 @@ bool is_srgb_slot(std::size_t i) {
 
 void attribute(GLuint location, GLint size, std::size_t offset, GLsizei stride) {
   glEnableVertexAttribArray(location);
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): so GL takes an offset
   glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(offset));
 }
 
@@ -197,7 +198,7 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
     gpu.block = static_cast<GLintptr>(stride * (materials_.size() - 1));
     const MaterialBlock block = make_block(m);
     std::memcpy(blocks.data() + gpu.block, &block, sizeof block);
-    int unit = kFirstSlotUnit;
+    int unit = first_slot_unit;
     const auto slots = texture_slots(m);
     for (std::size_t i = 0; i < kSlots; ++i) {
       if (!*slots[i]) continue;
@@ -289,8 +290,8 @@ bool GpuScene::has_lobe(int lobe) const {
 }
 
 void GpuScene::bind_material(const GpuMaterial& material) const {
-  glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, material_blocks_, material.block, sizeof(MaterialBlock));
-  GLuint unit = kFirstSlotUnit;
+  glBindBufferRange(GL_UNIFORM_BUFFER, material_binding, material_blocks_, material.block, sizeof(MaterialBlock));
+  GLuint unit = first_slot_unit;
   for (std::size_t i = 0; i < kSlots; ++i) {
     if (material.textures[i] == 0) continue;
     glActiveTexture(GL_TEXTURE0 + unit);
@@ -301,11 +302,11 @@ void GpuScene::bind_material(const GpuMaterial& material) const {
 }
 
 void GpuScene::bind_mask(const GpuMaterial& material) const {
-  glBindBufferRange(GL_UNIFORM_BUFFER, kMaterialBinding, material_blocks_, material.block, sizeof(MaterialBlock));
+  glBindBufferRange(GL_UNIFORM_BUFFER, material_binding, material_blocks_, material.block, sizeof(MaterialBlock));
   if (material.textures[0] == 0) return;
-  glActiveTexture(GL_TEXTURE0 + kFirstSlotUnit);
+  glActiveTexture(GL_TEXTURE0 + first_slot_unit);
   glBindTexture(GL_TEXTURE_2D, material.textures[0]);
-  glBindSampler(kFirstSlotUnit, material.samplers[0]);
+  glBindSampler(first_slot_unit, material.samplers[0]);
 }
 
 void GpuScene::draw(std::size_t index) const {

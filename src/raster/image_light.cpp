@@ -118,6 +118,10 @@ std::filesystem::path default_cache() {
   return {};
 }
 
+bool is_lit_from_far(const Environment& environment) {
+  return environment.intensity > 0.0f && (environment.map != nullptr || max_component(environment.constant) > 0.0f);
+}
+
 BakedLight bake_light(const Environment& environment, bool wants_sheen, const std::filesystem::path& cache) {
   Environment shadowless = environment;
   shadowless.suns.clear();

@@ -22,6 +22,9 @@ struct BakedLight {
 using LightKey = std::string;
 LightKey light_key(const Environment& environment, bool wants_sheen);
 
+/// Whether an environment is more than its suns.
+bool is_lit_from_far(const Environment& environment);
+
 /// Bakes, or reads what an earlier run baked from the same light. `cache` is the folder of such files; empty = none is
 /// read or written. A damaged or unwritable cache is no error.
 BakedLight bake_light(const Environment& environment, bool wants_sheen, const std::filesystem::path& cache);

@@ -1,5 +1,7 @@
 #include "raster/programs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -53,9 +55,8 @@ std::string slots_text(const MaterialKey& key, std::uint32_t mask) {
     const std::string name = kSlotNames[i];
     const std::string uv = key.is_plain_uv ? "v_uv.xy" : "slot_uv(" + std::to_string(i) + ")";
     text += define("HAS_" + name);
-    text += "uniform sampler2D " + name + "_texture;\n";
-    text += "#define " + name + "_uv() " + uv + "\n";
-    text += "#define " + name + "_texel() texture(" + name + "_texture, " + uv + ")\n";
+    text += fmt::format("uniform sampler2D {0}_texture;\n#define {0}_uv() {1}\n", name, uv);
+    text += fmt::format("#define {0}_texel() texture({0}_texture, {1})\n", name, uv);
   }
   return text;
 }
@@ -84,6 +85,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass) {
   add(pass.has_lights, "HAS_LIGHTS");
   add(pass.has_sheen_light, "HAS_SHEEN_LIGHT");
   add(pass.has_opaque_picture, "HAS_OPAQUE_PICTURE");
+  add(pass.has_occlusion, "HAS_SCREEN_OCCLUSION");
   if (key.emissive > 0) text += define("IS_EMISSIVE", key.emissive);
   if (is_of_surface(pass.quantity)) {
     // "base-color" is SHOW_base_color.
@@ -107,7 +109,7 @@ Programs::Programs(std::string folder)
 void Programs::reload() {
   mesh_.clear();
   depth_.clear();
-  background_.reset();
+  fullscreen_.clear();
 }
 
 std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const std::string& fragment,
@@ -128,19 +130,20 @@ std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const 
     throw Error("the driver refuses a shader: " + text.explain(error.message()),
                 error.where() == "vertex" ? vertex : fragment);
   }
-  program->bind_block("Frame", kFrameBinding);
-  program->bind_block("Material", kMaterialBinding);
-  program->bind_block("Lights", kLightsBinding);
+  program->bind_block("Frame", frame_binding);
+  program->bind_block("Material", material_binding);
+  program->bind_block("Lights", lights_binding);
   glUseProgram(program->id());
-  static constexpr std::array<std::pair<const char*, int>, 7> kShared = {{{"shade_table_texels", kTableUnit},
-                                                                          {"specular_light", kSpecularUnit},
-                                                                          {"diffuse_light", kDiffuseUnit},
-                                                                          {"sheen_light", kSheenUnit},
-                                                                          {"shadow_maps", kShadowUnit},
-                                                                          {"light_profiles", kProfileUnit},
-                                                                          {"opaque_picture", kPictureUnit}}};
+  static constexpr std::array<std::pair<const char*, int>, 8> kShared = {{{"shade_table_texels", table_unit},
+                                                                          {"specular_light", specular_unit},
+                                                                          {"diffuse_light", diffuse_unit},
+                                                                          {"sheen_light", sheen_unit},
+                                                                          {"shadow_maps", shadow_unit},
+                                                                          {"light_profiles", profile_unit},
+                                                                          {"opaque_picture", picture_unit},
+                                                                          {"screen_visibility", visibility_unit}}};
   for (const auto& [name, unit] : kShared) glUniform1i(program->uniform(name), unit);
-  int unit = kFirstSlotUnit;
+  int unit = first_slot_unit;
   for (std::size_t i = 0; i < kSlots; ++i) {
     if ((material.slots >> i & 1u) != 0) glUniform1i(program->uniform(std::string(kSlotNames[i]) + "_texture"), unit++);
   }
@@ -170,9 +173,10 @@ const gl::Program& Programs::depth(const MaterialKey& material) {
   return *program;
 }
 
-const gl::Program& Programs::background() {
-  if (background_ == nullptr) background_ = compile("fullscreen.vert.glsl", "background.frag.glsl", "", {});
-  return *background_;
+const gl::Program& Programs::fullscreen(const std::string& fragment) {
+  std::unique_ptr<gl::Program>& program = fullscreen_[fragment];
+  if (program == nullptr) program = compile("fullscreen.vert.glsl", fragment, "", {});
+  return *program;
 }
 
 }  // namespace candela::raster

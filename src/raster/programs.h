@@ -25,7 +25,7 @@ struct MaterialKey {
   int emissive = 0;          ///< 1: the front, 2: both sides
   AlphaMode alpha_mode = AlphaMode::opaque;
 
-  auto operator<=>(const MaterialKey&) const = default;
+  auto operator<=>(const MaterialKey&) const = default;  // NOLINT(modernize-use-nullptr): there is none
 };
 
 /// What of a pass does.
@@ -33,22 +33,24 @@ struct PassKey {
   bool has_lights = false;
   bool has_sheen_light = false;
   bool has_opaque_picture = false;
+  bool has_occlusion = false;           ///< of the screen
   bool has_coverage = false;            ///< masks become coverage of several samples
   Quantity quantity = Quantity::light;  ///< light, or one of a surface
 
-  auto operator<=>(const PassKey&) const = default;
+  auto operator<=>(const PassKey&) const = default;  // NOLINT(modernize-use-nullptr): there is none
 };
 
 /// Where textures are bound, the same in every program; a material's own follow.
 enum Unit : int {
-  kTableUnit,
-  kSpecularUnit,
-  kDiffuseUnit,
-  kSheenUnit,
-  kShadowUnit,
-  kProfileUnit,
-  kPictureUnit,
-  kFirstSlotUnit
+  table_unit,
+  specular_unit,
+  diffuse_unit,
+  sheen_unit,
+  shadow_unit,
+  profile_unit,
+  picture_unit,
+  visibility_unit,
+  first_slot_unit
 };
 
 /// The programs, each compiled when it is first asked for.
@@ -60,11 +62,12 @@ class Programs {
   const gl::Program& mesh(const MaterialKey& material, const PassKey& pass);
   /// Depth alone, for shadows.
   const gl::Program& depth(const MaterialKey& material);
-  const gl::Program& background();
+  /// A fragment shader over the whole picture: "background.frag.glsl".
+  const gl::Program& fullscreen(const std::string& fragment);
 
   /// Forgets what was compiled, so that changed files are read again.
   void reload();
-  std::size_t count() const { return mesh_.size() + depth_.size() + (background_ ? 1 : 0); }
+  std::size_t count() const { return mesh_.size() + depth_.size() + fullscreen_.size(); }
 
  private:
   std::unique_ptr<gl::Program> compile(const std::string& vertex, const std::string& fragment,
@@ -73,7 +76,7 @@ class Programs {
   gl::ShaderText::Reader reader_;
   std::map<std::pair<MaterialKey, PassKey>, std::unique_ptr<gl::Program>> mesh_;
   std::map<MaterialKey, std::unique_ptr<gl::Program>> depth_;
-  std::unique_ptr<gl::Program> background_;
+  std::map<std::string, std::unique_ptr<gl::Program>> fullscreen_;
 };
 
 /// The sampler of texture_slots(material)[i] in the shaders.

@@ -49,24 +49,24 @@ Quantity quantity_of(Layer layer) {
 int parts_of(Quantity quantity) {
   switch (quantity) {
     case Quantity::diffuse:
-      return kDiffusePart;
+      return diffuse_part;
     case Quantity::specular:
-      return kSpecularPart;
+      return specular_part;
     case Quantity::coat:
-      return kCoatPart;
+      return coat_part;
     case Quantity::sheen:
-      return kSheenPart;
+      return sheen_part;
     case Quantity::transmission:
-      return kThroughPart;
+      return through_part;
     case Quantity::ambient:
-      return kDiffusePart | kSpecularPart | kCoatPart | kSheenPart | kThroughPart;
+      return diffuse_part | specular_part | coat_part | sheen_part | through_part;
     case Quantity::direct:
     case Quantity::one_light:
-      return kDirectPart;
+      return direct_part;
     case Quantity::emission:
-      return kEmissionPart;
+      return emission_part;
     default:
-      return kAllParts;
+      return all_parts;
   }
 }
 

@@ -55,14 +55,14 @@ Quantity quantity_of(Layer layer);
 
 /// Bits of what adds up to the light of a surface.
 enum Part : int {
-  kDiffusePart = 1,
-  kSpecularPart = 2,
-  kCoatPart = 4,
-  kSheenPart = 8,
-  kThroughPart = 16,
-  kDirectPart = 32,
-  kEmissionPart = 64,
-  kAllParts = 127
+  diffuse_part = 1,
+  specular_part = 2,
+  coat_part = 4,
+  sheen_part = 8,
+  through_part = 16,
+  direct_part = 32,
+  emission_part = 64,
+  all_parts = 127
 };
 int parts_of(Quantity quantity);
 

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "gl/gl.h"
+#include "math/hash.h"
 #include "raster/renderer.h"
 #include "shade/surface_params.glsl.h"
 
@@ -40,10 +41,6 @@ vec4 lattice_point(int i) {
     point[k] = static_cast<float>(std::fmod(0.5 + kSteps[static_cast<std::size_t>(k)] * i, 1.0));
   }
   return point;
-}
-
-bool has_light(const Environment& environment) {
-  return environment.intensity > 0.0f && (environment.map != nullptr || max_component(environment.constant) > 0.0f);
 }
 
 bool uses_sheen(const Scene& scene) {
@@ -93,6 +90,36 @@ Session::~Session() = default;
 
 namespace {
 
+/// Brings directions and lengths to where a picture can show them: directions from −1 … 1 to 0 … 1, positions and
+/// depths over the scene's size, an object's number to a colour of its own.
+void show_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
+  const vec3 size = glm::max(bounds.size(), vec3(1e-6f));
+  const auto shown = [&](vec3 v) {
+    switch (quantity) {
+      case Quantity::normal:
+      case Quantity::geometric_normal:
+      case Quantity::tangent:
+        return 0.5f + 0.5f * v;
+      case Quantity::position:
+        return (v - bounds.lower) / size;
+      case Quantity::depth:
+        return v / (2.0f * glm::length(size));
+      case Quantity::object_id: {
+        const std::uint32_t h = hash_combine(static_cast<std::uint32_t>(v.x), 1);
+        return vec3(h & 255u, h >> 8 & 255u, h >> 16 & 255u) / 255.0f;
+      }
+      default:
+        return v;
+    }
+  };
+  for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
+    float* p = picture.pixels.data() + i;
+    if (p[3] <= 0.0f) continue;
+    const vec3 v = shown({p[0], p[1], p[2]});
+    p[0] = v.x, p[1] = v.y, p[2] = v.z;
+  }
+}
+
 /// The mean of a view's frames.
 Film draw_view(Renderer& renderer, const View& view, const Settings& settings, Statistics& s) {
   Film film;
@@ -117,6 +144,7 @@ Film draw_view(Renderer& renderer, const View& view, const Settings& settings, S
     }
   }
   apply_vignetting(view, film.beauty);
+  show_numbers(settings.quantity, renderer.scene().bounds(), film.beauty);
   if (settings.quantity == Quantity::luminance) {
     for (std::size_t i = 0; i < film.beauty.pixels.size(); i += 4) {
       float* p = film.beauty.pixels.data() + i;
@@ -145,13 +173,15 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
     const LightKey key = light_key(environment, uses_sheen(scene));
     if (key != parts_->key) {
       parts_->light =
-          has_light(environment) ? bake_light(environment, uses_sheen(scene), settings.cache) : BakedLight{};
+          is_lit_from_far(environment) ? bake_light(environment, uses_sheen(scene), settings.cache) : BakedLight{};
       parts_->key = key;
     }
     s.light_s = baking.lap();
   };
   std::future<void> baked = std::async(std::launch::async, bake);
-  Renderer renderer(scene, environment, settings, diagnostics);
+  Settings used = settings;
+  if (is_of_surface(used.quantity)) used.msaa = 1;  // numbers of two surfaces have no mean
+  Renderer renderer(scene, environment, used, diagnostics);
   glFinish();
   s.upload_s = watch.lap();
   for (std::size_t i = 0; i < views.size(); ++i) {

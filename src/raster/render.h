@@ -27,6 +27,8 @@ struct Settings {
   /// Widens highlights by how the normal turns within a pixel. What one sample per pixel needs; the less, the more
   /// frames there are.
   bool specular_antialiasing = true;
+  /// How far away surfaces occlude what comes from the environment, over the diagonal of the scene; 0 = they do not.
+  float occlusion_radius = 0.0f;
   Background background = Background::environment;
   Quantity quantity = Quantity::light;  ///< shown in place of all light; then without a background
   int shown_light = 0;                  ///< of Quantity::one_light, the strongest is 0

@@ -88,7 +88,8 @@ Renderer::Renderer(const Scene& scene, const Environment& environment, const Set
       settings_(settings),
       diagnostics_(diagnostics),
       programs_(settings.shader_folder),
-      gpu_(scene, settings.shading, diagnostics) {
+      gpu_(scene, settings.shading, diagnostics),
+      expects_light_(is_lit_from_far(environment)) {
   if (!gl::has_extension("GL_EXT_color_buffer_float") && !gl::has_extension("GL_EXT_color_buffer_half_float")) {
     throw Error("the driver cannot draw into floating-point pictures (GL_EXT_color_buffer_float)");
   }
@@ -97,6 +98,7 @@ Renderer::Renderer(const Scene& scene, const Environment& environment, const Set
   profiles_ = upload_profiles(scene);
   upload_table();
   make_targets();
+  make_occlusion_targets();
 }
 
 void Renderer::set_light(const BakedLight& light) {
@@ -241,23 +243,91 @@ void Renderer::bind_shared(const FrameCamera& camera) {
                   settings_.quantity == Quantity::one_light ? settings_.shown_light : -1, 0};
   glBindBuffer(GL_UNIFORM_BUFFER, frame_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof block, &block, GL_DYNAMIC_DRAW);
-  glBindBufferBase(GL_UNIFORM_BUFFER, kFrameBinding, frame_block_);
-  glBindBufferBase(GL_UNIFORM_BUFFER, kLightsBinding, lights_block_);
-  bind(kTableUnit, GL_TEXTURE_2D, table_);
-  bind(kSpecularUnit, GL_TEXTURE_CUBE_MAP, specular_);
-  bind(kDiffuseUnit, GL_TEXTURE_CUBE_MAP, diffuse_);
-  bind(kSheenUnit, GL_TEXTURE_CUBE_MAP, sheen_);
-  bind(kShadowUnit, GL_TEXTURE_2D_ARRAY, shadows_);
-  bind(kProfileUnit, GL_TEXTURE_2D_ARRAY, profiles_);
-  bind(kPictureUnit, GL_TEXTURE_2D, opaque_picture_);
+  glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_block_);
+  glBindBufferBase(GL_UNIFORM_BUFFER, lights_binding, lights_block_);
+  bind(table_unit, GL_TEXTURE_2D, table_);
+  bind(specular_unit, GL_TEXTURE_CUBE_MAP, specular_);
+  bind(diffuse_unit, GL_TEXTURE_CUBE_MAP, diffuse_);
+  bind(sheen_unit, GL_TEXTURE_CUBE_MAP, sheen_);
+  bind(shadow_unit, GL_TEXTURE_2D_ARRAY, shadows_);
+  bind(profile_unit, GL_TEXTURE_2D_ARRAY, profiles_);
+  bind(picture_unit, GL_TEXTURE_2D, opaque_picture_);
+  bind(visibility_unit, GL_TEXTURE_2D, visibility_[1]);
+}
+
+void Renderer::make_occlusion_targets() {
+  const int w = settings_.width, h = settings_.height;
+  const auto make = [&](const gl::Texture& texture, const gl::Framebuffer& framebuffer, GLint format, GLenum layout,
+                        GLenum type, GLenum attachment) {
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glTexImage2D(GL_TEXTURE_2D, 0, format, w, h, 0, layout, type, nullptr);
+    filter(GL_TEXTURE_2D, GL_NEAREST, GL_NEAREST);
+    wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
+  };
+  make(depth_map_, depth_framebuffer_, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT);
+  const GLenum none = GL_NONE;
+  glDrawBuffers(1, &none);
+  check_framebuffer("a map of depth");
+  for (std::size_t i = 0; i < visibility_.size(); ++i) {
+    make(visibility_[i], visibility_framebuffer_[i], GL_R8, GL_RED, GL_UNSIGNED_BYTE, GL_COLOR_ATTACHMENT0);
+    check_framebuffer("bytes");
+  }
+}
+
+void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const FrameCamera& camera) {
+  // ----- depth
+  glBindFramebuffer(GL_FRAMEBUFFER, depth_framebuffer_);
+  glClearDepthf(1.0f);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  for (const std::size_t i : opaque) {
+    const Draw& d = gpu_.draws()[i];
+    if (is_outside(camera.clip_from_world, d.bounds)) continue;
+    const GpuMaterial& material = gpu_.material_of(d);
+    const gl::Program& program = programs_.depth(material.key);
+    glUseProgram(program.id());
+    glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &camera.clip_from_world[0][0]);
+    if (material.key.alpha_mode == AlphaMode::mask) gpu_.bind_mask(material);
+    if (material.is_double_sided) {
+      glDisable(GL_CULL_FACE);
+    } else {
+      glEnable(GL_CULL_FACE);
+      glCullFace(GL_BACK);
+    }
+    gpu_.draw(i);
+  }
+
+  // ----- horizons, then their mean
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glBindVertexArray(nothing_);
+  bind(first_slot_unit, GL_TEXTURE_2D, depth_map_);
+  bind(first_slot_unit + 1, GL_TEXTURE_2D, visibility_[0]);
+  glBindFramebuffer(GL_FRAMEBUFFER, visibility_framebuffer_[0]);
+  const gl::Program& horizons = programs_.fullscreen("occlusion.frag.glsl");
+  glUseProgram(horizons.id());
+  glUniform1i(horizons.uniform("depth_map"), first_slot_unit);
+  glUniformMatrix4fv(horizons.uniform("clip_from_camera"), 1, GL_FALSE, &camera.clip_from_camera[0][0]);
+  const float pixels = 0.5f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1];
+  glUniform4f(horizons.uniform("reach"), settings_.occlusion_radius * glm::length(gpu_.bounds().size()), pixels,
+              static_cast<float>(frame_) * 0.618034f, camera.is_perspective ? 1.0f : 0.0f);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindFramebuffer(GL_FRAMEBUFFER, visibility_framebuffer_[1]);
+  const gl::Program& blur = programs_.fullscreen("occlusion_blur.frag.glsl");
+  glUseProgram(blur.id());
+  glUniform1i(blur.uniform("depth_map"), first_slot_unit);
+  glUniform1i(blur.uniform("visibility_map"), first_slot_unit + 1);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glEnable(GL_DEPTH_TEST);
 }
 
 void Renderer::draw_background(const FrameCamera& camera) {
-  const gl::Program& program = programs_.background();
+  const gl::Program& program = programs_.fullscreen("background.frag.glsl");
   glUseProgram(program.id());
-  bind(kFirstSlotUnit, GL_TEXTURE_2D, panorama_);
+  bind(first_slot_unit, GL_TEXTURE_2D, panorama_);
   const mat4 world_from_clip = glm::inverse(camera.clip_from_world);
-  glUniform1i(program.uniform("panorama"), kFirstSlotUnit);
+  glUniform1i(program.uniform("panorama"), first_slot_unit);
   glUniformMatrix4fv(program.uniform("world_from_clip"), 1, GL_FALSE, &world_from_clip[0][0]);
   const bool has_map = environment_.map != nullptr || environment_.backdrop != nullptr;
   glUniform4f(program.uniform("panorama_turn"), std::cos(environment_.rotation), std::sin(environment_.rotation),
@@ -352,12 +422,14 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   std::stable_sort(transmissive.begin(), transmissive.end(), far_first);
   std::stable_sort(blended.begin(), blended.end(), far_first);
 
-  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glViewport(0, 0, settings_.width, settings_.height);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
+  const bool has_occlusion = settings_.occlusion_radius > 0.0f && expects_light_;
+  if (has_occlusion) draw_occlusion(opaque, camera);
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   glClearDepthf(1.0f);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -372,10 +444,12 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   }
   pass.has_sheen_light = gpu_.has_lobe(shade::kLobeSheen);
   pass.has_coverage = settings_.msaa > 1;
+  pass.has_occlusion = has_occlusion;
   if (pass.has_coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   draw_surfaces(opaque, pass, camera);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   pass.has_coverage = false;
+  pass.has_occlusion = false;
   const bool is_whole = settings_.quantity == Quantity::light || settings_.quantity == Quantity::luminance;
   if (settings_.background == Background::environment && is_whole) draw_background(camera);
 
@@ -384,7 +458,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
     if (pass.has_opaque_picture) {
       resolve(picture_framebuffer_);
       glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
-      bind(kPictureUnit, GL_TEXTURE_2D, opaque_picture_);
+      bind(picture_unit, GL_TEXTURE_2D, opaque_picture_);
       glGenerateMipmap(GL_TEXTURE_2D);
     }
     draw_surfaces(transmissive, pass, camera);
@@ -397,6 +471,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   }
   resolve(resolved_framebuffer_);
   gl::check("drawing");
+  ++frame_;
 }
 
 namespace {

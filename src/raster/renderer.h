@@ -41,6 +41,8 @@ class Renderer {
   };
 
   void make_targets();
+  void make_occlusion_targets();
+  void draw_occlusion(const std::vector<std::size_t>& opaque, const FrameCamera& camera);
   void upload_table();
   void bind_shared(const FrameCamera& camera);
   void draw_shadows();
@@ -59,9 +61,15 @@ class Renderer {
   GpuScene gpu_;
   SceneLights lights_;
   bool has_light_ = false;
+  bool expects_light_ = false;  ///< the environment is more than suns
+  int frame_ = 0;
   int light_levels_ = 1;
   int picture_levels_ = 1;
   gl::Texture table_, specular_, diffuse_, sheen_, profiles_, shadows_, panorama_;
+  gl::Texture depth_map_;
+  std::array<gl::Texture, 2> visibility_;  ///< as found, and its mean
+  gl::Framebuffer depth_framebuffer_;
+  std::array<gl::Framebuffer, 2> visibility_framebuffer_;
   gl::Texture resolved_, opaque_picture_;
   gl::Framebuffer resolved_framebuffer_, picture_framebuffer_, shadow_framebuffer_;
   gl::Buffer frame_block_, lights_block_;

@@ -74,6 +74,16 @@ SHADE_FN float image_light_specular_occlusion(float mu, float visibility, float 
   return shade_saturate(pow(mu + visibility, exp2(-16.0f * alpha - 1.0f)) - 1.0f + visibility);
 }
 
+/// Share of the hemisphere's light that a diffuse surface of this albedo gets where `visibility` of it is open: what
+/// occludes is as bright as the surface itself. Jiménez, Wu, Pesce & Jarabo 2016, "Practical Real-Time Strategies for
+/// Accurate Indirect Occlusion", eq. 14 (their fit to ray tracing).
+SHADE_FN vec3 image_light_multibounce(float visibility, vec3 albedo) {
+  vec3 a = 2.0404f * albedo - vec3(0.3324f);
+  vec3 b = vec3(0.6417f) - 4.7951f * albedo;
+  vec3 c = 2.7552f * albedo + vec3(0.6903f);
+  return max(vec3(visibility), ((a * visibility + b) * visibility + c) * visibility);
+}
+
 /// Fades a reflection that points into the surface, where only a normal map can send it. Filament's and others' horizon
 /// term: (1 + R·N_geometric)².
 SHADE_FN float image_light_horizon(vec3 mirrored, vec3 geometric_normal) {

@@ -23,6 +23,9 @@ uniform highp samplerCube diffuse_light;
 #ifdef HAS_SHEEN_LIGHT
 uniform highp samplerCube sheen_light;
 #endif
+#ifdef HAS_SCREEN_OCCLUSION
+uniform highp sampler2D screen_visibility;
+#endif
 #ifdef HAS_OPAQUE_PICTURE
 uniform highp sampler2D opaque_picture;
 #endif
@@ -228,11 +231,15 @@ vec3 mirrored_light(Point p, vec3 n, float alpha) {
 }
 
 float occlusion() {
+  float visible = 1.0;
 #ifdef HAS_occlusion
-  return 1.0 + coat.w * (occlusion_texel().r - 1.0);
-#else
-  return 1.0;
+  visible = 1.0 + coat.w * (occlusion_texel().r - 1.0);
 #endif
+#ifdef HAS_SCREEN_OCCLUSION
+  // Both tell of the same crevices.
+  visible = min(visible, texelFetch(screen_visibility, ivec2(gl_FragCoord.xy), 0).x);
+#endif
+  return visible;
 }
 
 #ifdef HAS_TRANSMISSION
@@ -298,7 +305,8 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, vec3 wo, mat3 frame) {
   float visible = occlusion();
   vec3 color = vec3(0.0);
   if (light.y > 0.5) {
-    color = shares.diffuse * texture(diffuse_light, n).rgb * (part(1) * visible / kShadePi);
+    color = shares.diffuse * texture(diffuse_light, n).rgb * (part(1) / kShadePi) *
+            image_light_multibounce(visible, min(shares.diffuse, vec3(1.0)));
     vec3 bent = n;
 #ifdef HAS_ANISOTROPY
     // The lobe is wide along x: the normal leans towards the viewer in the plane across it.
@@ -419,9 +427,9 @@ vec4 quantity(float opacity) {
 #if SHOW == SHOW_position
   return vec4(v_position, 1.0);
 #elif SHOW == SHOW_depth
-  return vec4(eye.w > 0.5 ? distance(eye.xyz, v_position) : dot(eye.xyz - v_position, back.xyz));
+  return vec4(vec3(eye.w > 0.5 ? distance(eye.xyz, v_position) : dot(eye.xyz - v_position, back.xyz)), 1.0);
 #elif SHOW == SHOW_id
-  return vec4(object_id);
+  return vec4(vec3(object_id), 1.0);
 #elif SHOW == SHOW_normal
   return vec4(make_point(is_back).normal, 1.0);
 #elif SHOW == SHOW_facet

@@ -1,0 +1,85 @@
+#include "shade/shim.glsl.h"
+
+// Ambient occlusion from the depth of the picture: how much of the cosine-weighted hemisphere is open, by the horizons to
+// both sides in a few planes through the line of sight. Jiménez, Wu, Pesce & Jarabo 2016, "Practical Real-Time Strategies
+// for Accurate Indirect Occlusion", §4.
+
+uniform highp sampler2D depth_map;
+uniform mat4 clip_from_camera;
+uniform vec4 reach;  // radius in metres, pixels per metre at distance 1, turn of the planes, 1 = perspective
+
+layout(location = 0) out vec4 o_visibility;
+
+const int kPlanes = 2;
+const int kSteps = 5;
+
+vec3 position_at(ivec2 pixel, ivec2 size) {
+  pixel = clamp(pixel, ivec2(0), size - 1);
+  float depth = texelFetch(depth_map, pixel, 0).x * 2.0 - 1.0;
+  vec2 ndc = (vec2(pixel) + 0.5) / vec2(size) * 2.0 - 1.0;
+  mat4 m = clip_from_camera;
+  if (reach.w < 0.5) return vec3((ndc.x - m[3].x) / m[0].x, (ndc.y - m[3].y) / m[1].y, (depth - m[3].z) / m[2].z);
+  float along = m[3].z / (depth + m[2].z);
+  return vec3((ndc.x + m[2].x) * along / m[0].x, (ndc.y + m[2].y) * along / m[1].y, -along);
+}
+
+void main() {
+  ivec2 size = textureSize(depth_map, 0);
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  o_visibility = vec4(1.0);
+  if (texelFetch(depth_map, pixel, 0).x >= 1.0) return;
+  vec3 c = position_at(pixel, size);
+  vec3 v = reach.w > 0.5 ? normalize(-c) : vec3(0.0, 0.0, 1.0);
+
+  // The facet, by the nearer neighbour on either axis.
+  vec3 right = position_at(pixel + ivec2(1, 0), size) - c, left = c - position_at(pixel - ivec2(1, 0), size);
+  vec3 up = position_at(pixel + ivec2(0, 1), size) - c, down = c - position_at(pixel - ivec2(0, 1), size);
+  bool is_right = pixel.x == 0 || (pixel.x + 1 < size.x && abs(right.z) < abs(left.z));
+  bool is_up = pixel.y == 0 || (pixel.y + 1 < size.y && abs(up.z) < abs(down.z));
+  vec3 n = normalize(cross(is_right ? right : left, is_up ? up : down));
+  if (dot(n, v) < 0.0) n = -n;
+
+  float radius = reach.x * reach.y / (reach.w > 0.5 ? -c.z : 1.0);  // pixels
+  radius = min(radius, 0.3 * float(size.y));
+  if (radius < 2.0) return;
+
+  // Interleaved gradient noise: neighbours see other planes. Jiménez 2014, "Next Generation Post Processing in Call of
+  // Duty: Advanced Warfare".
+  float noise = fract(52.9829189 * fract(dot(vec2(pixel), vec2(0.06711056, 0.00583715))) + reach.z);
+  float sum = 0.0;
+  for (int i = 0; i < kPlanes; ++i) {
+    float phi = (float(i) + noise) * (kShadePi / float(kPlanes));
+    vec2 direction = vec2(cos(phi), sin(phi));
+    vec3 d = vec3(direction, 0.0);
+    vec3 axis = normalize(cross(d, v));
+    vec3 in_plane = n - axis * dot(n, axis);
+    float share = length(in_plane);
+    vec3 tangent = d - v * dot(d, v);
+    float cos_n = clamp(dot(in_plane, v) / max(share, 1e-6), -1.0, 1.0);
+    float angle_n = (dot(tangent, in_plane) < 0.0 ? -1.0 : 1.0) * acos(cos_n);
+    vec2 horizon;
+    for (int side = 0; side < 2; ++side) {
+      float sgn = side == 0 ? -1.0 : 1.0;
+      // Nothing lies below the facet.
+      float open = cos(angle_n + sgn * (0.5 * kShadePi));
+      float highest = open;
+      for (int k = 0; k < kSteps; ++k) {
+        float t = (float(k) + fract(noise * 7.0 + 0.37 * float(i))) / float(kSteps);
+        vec2 offset = direction * (sgn * max(t * t * radius, float(k) + 1.0));
+        vec3 to = position_at(pixel + ivec2(round(offset)), size) - c;
+        float l = length(to);
+        // What is farther off than the radius occludes less and less: it would not be seen from a ray's end either.
+        float near = clamp(1.5 - 1.5 * l / reach.x, 0.0, 1.0);
+        // Two degrees are the roundings of depth and the chords of curved surfaces.
+        highest = max(highest, mix(open, dot(to, v) / max(l, 1e-9) - 0.035, near));
+      }
+      horizon[side] = sgn * acos(clamp(highest, -1.0, 1.0));
+    }
+    // ∫ of the cosine between the horizons, ibid. eq. 10.
+    for (int side = 0; side < 2; ++side) {
+      float h = angle_n + clamp(horizon[side] - angle_n, -0.5 * kShadePi, 0.5 * kShadePi);
+      sum += share * 0.25 * (cos_n + 2.0 * h * sin(angle_n) - cos(2.0 * h - angle_n));
+    }
+  }
+  o_visibility = vec4(clamp(sum / float(kPlanes), 0.0, 1.0));
+}

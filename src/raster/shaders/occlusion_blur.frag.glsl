@@ -1,0 +1,27 @@
+// Mean of 4 × 4 neighbours on the same surface: the noise of the planes repeats over about as much.
+
+uniform highp sampler2D visibility_map;
+uniform highp sampler2D depth_map;
+
+layout(location = 0) out vec4 o_visibility;
+
+void main() {
+  ivec2 size = textureSize(depth_map, 0);
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  float depth = texelFetch(depth_map, pixel, 0).x;
+  if (depth >= 1.0) {
+    o_visibility = vec4(1.0);
+    return;
+  }
+  float sum = 0.0, weight = 0.0;
+  for (int y = -2; y < 2; ++y) {
+    for (int x = -2; x < 2; ++x) {
+      ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), size - 1);
+      // Depths near 1 differ little: over what is left to 1 they tell metres.
+      float w = max(1.0 - 40.0 * abs(texelFetch(depth_map, at, 0).x - depth) / max(1.0 - depth, 1e-6), 0.0);
+      sum += w * texelFetch(visibility_map, at, 0).x;
+      weight += w;
+    }
+  }
+  o_visibility = vec4(sum / max(weight, 1e-6));
+}
