@@ -498,6 +498,7 @@ void render_batch(const RenderOptions& o, Shared& shared, int threads, ProgressL
     try {
       render_scene(one, shared, threads, progress);
     } catch (const Error& error) {
+      if (o.scenes.size() == 1) throw;
       ++failed;
       progress.warn({error.message(), error.where()});
     }

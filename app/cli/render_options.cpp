@@ -216,7 +216,11 @@ Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage.)";
 
 /// Several scenes, or one into a folder.
 void check_batch(RenderOptions& o) {
-  const bool is_folder = o.outputs.size() == 1 && (o.outputs[0].ends_with('/') || fs::is_directory(o.outputs[0]));
+  // A folder named like a picture is more likely in the way than meant.
+  const auto is_named_as_folder = [](const std::string& name) {
+    return name.ends_with('/') || (fs::is_directory(name) && fs::path(name).extension().empty());
+  };
+  const bool is_folder = o.outputs.size() == 1 && is_named_as_folder(o.outputs[0]);
   if (o.scenes.size() == 1 && !is_folder) return;
   if (!is_folder) throw UsageError("--output: of several scenes it is one folder: -o DIR/");
   if (o.turntable) throw UsageError("--turntable: one scene at a time");

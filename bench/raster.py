@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""How fast the real-time renderer is: bench/raster.py CANDELA SCENE ENV [WxH]
+
+Prints the wall time of the whole process with nothing cached (neither the environment's bake nor the driver's shaders) and with both
+cached, the least of five runs each, and milliseconds per frame, reading back included, from the difference of 17 frames and 1.
+"""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+
+def run(folder, *arguments, cache):
+    environment = {**os.environ, "XDG_CACHE_HOME": str(cache), "MESA_SHADER_CACHE_DIR": str(cache)}
+    begin = time.monotonic()
+    subprocess.run([*map(str, arguments), "--engine", "raster", "-q", "-o", folder / "a.png", "--stats", folder / "s.json"],
+                   check=True, env=environment)  # fmt: skip
+    return time.monotonic() - begin, json.loads((folder / "s.json").read_text())
+
+
+def main():
+    program, scene, env, *rest = sys.argv[1:]
+    common = [program, "render", scene, "--env", env, "--size", rest[0] if rest else "1280x720"]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        first = min(run(folder, *common, cache=folder / f"first{i}")[0] for i in range(5))
+        cache = folder / "cache"
+        _, stats = run(folder, *common, cache=cache)
+        cached = min(run(folder, *common, cache=cache)[0] for _ in range(5))
+        print(f"{stats['driver']}\nfirst {first:.2f} s, cached {cached:.2f} s")
+        for msaa in (1, 4):
+            for ao in ("0", "0.05"):
+                options = [*common, "--msaa", msaa, "--ao", ao]
+                run(folder, *options, "--spp", 2, cache=cache)
+                one = min(run(folder, *options, "--spp", 1, cache=cache)[1]["frame_s"] for _ in range(3))
+                many = min(run(folder, *options, "--spp", 17, cache=cache)[1]["frame_s"] for _ in range(3))
+                print(f"msaa {msaa} ao {ao}: {1000 * (many - one) / 16:.0f} ms per frame")
+
+
+if __name__ == "__main__":
+    main()
