@@ -48,6 +48,15 @@ bool uses_sheen(const Scene& scene) {
                      [](const Material& m) { return max_component(m.sheen_color) > 0.0f && !m.unlit; });
 }
 
+/// Whether emissive surfaces are the only light there is.
+bool only_glows(const Scene& scene, const Environment& environment) {
+  const bool has_lamp =
+      std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.light >= 0; });
+  const bool glows = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                 [](const Material& m) { return max_component(m.emission) > 0.0f && !m.unlit; });
+  return glows && !has_lamp && !is_lit_from_far(environment) && environment.suns.empty();
+}
+
 /// cos⁴ of the angle to the axis, as far as the lens has it.
 void apply_vignetting(const View& view, Image& image) {
   const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
@@ -178,6 +187,10 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
     }
     s.light_s = baking.lap();
   };
+  if (only_glows(scene, environment)) {
+    diagnostics.warn("only what glows in it lights the scene, which the path tracer can show and this engine cannot",
+                     scene.name);
+  }
   std::future<void> baked = std::async(std::launch::async, bake);
   Settings used = settings;
   if (is_of_surface(used.quantity)) used.msaa = 1;  // numbers of two surfaces have no mean

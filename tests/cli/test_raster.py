@@ -72,6 +72,11 @@ class Pictures(RasterTest):
             self.refuses(*SPHERES, *option, says=option[0])
         self.refuses(*TRACED, "--msaa", "2", says="--msaa")
 
+    def test_a_scene_that_only_glows_is_told(self):
+        arguments = ("--size", "16x12", "--engine", "raster", "--env", "none", "-o", "a.png")
+        self.assertIn("only what glows", self.draws("render", "demo:cornell", *arguments).err)
+        self.assertNotIn("warning", self.draws(*SPHERES, "-o", "b.png").err)
+
     def test_no_opengl_says_what_was_tried_and_what_helps(self):
         nowhere = environment(self.elsewhere, __EGL_VENDOR_LIBRARY_DIRS="/nonexistent", __EGL_VENDOR_LIBRARY_FILENAMES="")
         self.fails(*SPHERES, "-o", "b.png", says="no usable OpenGL.*libegl1", env=nowhere)
