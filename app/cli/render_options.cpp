@@ -267,7 +267,6 @@ void check_engine(const CLI::App& verb, const RenderOptions& o) {
   };
   if (is_raster) {
     refuse({"--time", "--noise", "--bounces", "--seed", "--filter", "--integrator"}, "only for --engine path");
-    if (o.settings.layers.contains(Layer::object_id) && o.msaa < 1) throw UsageError("--msaa: must be positive");
   } else {
     refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao"}, "only for --engine raster");
   }

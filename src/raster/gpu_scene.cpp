@@ -148,14 +148,14 @@ GpuScene::GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnos
   add_materials(scene, model, diagnostics);
   for (const Mesh& mesh : scene.meshes) {
     first_primitive_.push_back(primitives_.size());
-    add_mesh(mesh, scene.materials);
+    add_mesh(mesh);
   }
   first_primitive_.push_back(primitives_.size());
   add_draws(scene);
   gl::check("uploading the scene");
 }
 
-void GpuScene::add_mesh(const Mesh& mesh, const std::vector<Material>& materials) {
+void GpuScene::add_mesh(const Mesh& mesh) {
   for (const Primitive& p : mesh.primitives) {
     GpuPrimitive& gpu = primitives_.emplace_back();
     gpu.material = p.material;
@@ -180,7 +180,6 @@ void GpuScene::add_mesh(const Mesh& mesh, const std::vector<Material>& materials
     MaterialKey& key = materials_[static_cast<std::size_t>(p.material)].key;
     key.has_colors |= !p.colors.empty();
     key.has_tangents |= !p.tangents.empty();
-    (void)materials;
   }
 }
 

@@ -64,7 +64,7 @@ class GpuScene {
   void draw(std::size_t index) const;
 
  private:
-  void add_mesh(const Mesh& mesh, const std::vector<Material>& materials);
+  void add_mesh(const Mesh& mesh);
   void add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
   void add_draws(const Scene& scene);
   GLuint texture_for(const Scene& scene, int image, bool is_srgb, Diagnostics& diagnostics);

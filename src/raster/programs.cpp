@@ -61,13 +61,22 @@ std::string slots_text(const MaterialKey& key, std::uint32_t mask) {
   return text;
 }
 
-std::string mesh_preamble(const MaterialKey& key, const PassKey& pass) {
+/// The terms of a shading model other than the default one, as constants.
+std::string model_text(const shade::ShadingModel& m) {
+  return define("MODEL_DISTRIBUTION", m.distribution) + define("MODEL_MASKING", m.masking) +
+         define("MODEL_FRESNEL", m.fresnel) + define("MODEL_DIFFUSE", m.diffuse) + define("MODEL_BLEND", m.blend) +
+         define("MODEL_MULTISCATTER", m.multiscatter ? 1 : 0) +
+         define("MODEL_LITERAL_LAYERS", m.literal_layers ? 1 : 0);
+}
+
+std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const shade::ShadingModel& model) {
   std::string text = slots_text(key, key.slots) + define("LOBES", key.lobes) + define("kMostLights", kMostLights) +
                      define("kMostShadows", kMostShadows);
   const auto add = [&text](bool is_wanted, const char* name) {
     if (is_wanted) text += define(name);
   };
   const auto has = [&key](int lobe) { return (key.lobes & lobe) != 0; };
+  if (has(shade::kLobeModel)) text += model_text(model);
   add(key.has_tangents, "HAS_TANGENT");
   add(key.has_colors, "HAS_COLOR");
   add(key.has_body, "HAS_BODY");
@@ -103,8 +112,9 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass) {
 
 const char* slot_name(std::size_t i) { return kSlotNames[i]; }
 
-Programs::Programs(std::string folder)
-    : reader_(folder.empty() ? gl::ShaderText::Reader(read_embedded) : gl::read_from_folder(std::move(folder))) {}
+Programs::Programs(const shade::ShadingModel& model, std::string folder)
+    : model_(model),
+      reader_(folder.empty() ? gl::ShaderText::Reader(read_embedded) : gl::read_from_folder(std::move(folder))) {}
 
 void Programs::reload() {
   mesh_.clear();
@@ -152,7 +162,8 @@ std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const 
 
 const gl::Program& Programs::mesh(const MaterialKey& material, const PassKey& pass) {
   std::unique_ptr<gl::Program>& program = mesh_[{material, pass}];
-  if (program == nullptr) program = compile("mesh.vert.glsl", kMeshFragment, mesh_preamble(material, pass), material);
+  if (program == nullptr)
+    program = compile("mesh.vert.glsl", kMeshFragment, mesh_preamble(material, pass, model_), material);
   return *program;
 }
 

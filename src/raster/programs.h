@@ -9,6 +9,7 @@
 #include "gl/shader_text.h"
 #include "raster/blocks.h"
 #include "raster/quantity.h"
+#include "shade/model.glsl.h"
 
 namespace candela::raster {
 
@@ -57,7 +58,7 @@ enum Unit : int {
 class Programs {
  public:
   /// `folder` holds shaders to be read instead of those in the program: its files by name, src/shade's as shade/….
-  explicit Programs(std::string folder = {});
+  explicit Programs(const shade::ShadingModel& model, std::string folder = {});
 
   const gl::Program& mesh(const MaterialKey& material, const PassKey& pass);
   /// Depth alone, for shadows.
@@ -73,6 +74,7 @@ class Programs {
   std::unique_ptr<gl::Program> compile(const std::string& vertex, const std::string& fragment,
                                        const std::string& preamble, const MaterialKey& material);
 
+  shade::ShadingModel model_;
   gl::ShaderText::Reader reader_;
   std::map<std::pair<MaterialKey, PassKey>, std::unique_ptr<gl::Program>> mesh_;
   std::map<MaterialKey, std::unique_ptr<gl::Program>> depth_;

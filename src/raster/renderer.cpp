@@ -87,7 +87,7 @@ Renderer::Renderer(const Scene& scene, const Environment& environment, const Set
       environment_(environment),
       settings_(settings),
       diagnostics_(diagnostics),
-      programs_(settings.shader_folder),
+      programs_(settings.shading, settings.shader_folder),
       gpu_(scene, settings.shading, diagnostics),
       expects_light_(is_lit_from_far(environment)) {
   if (!gl::has_extension("GL_EXT_color_buffer_float") && !gl::has_extension("GL_EXT_color_buffer_half_float")) {

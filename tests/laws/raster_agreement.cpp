@@ -131,6 +131,24 @@ TEST_F(law_raster, direct_light_of_every_lobe_is_that_of_the_path_tracer) {
   }
 }
 
+TEST_F(law_raster, other_shading_models_are_those_of_the_path_tracer) {
+  SceneBuilder b;
+  b.add(sphere(vec3(0.0f), 1.0f, 5, false), plastic({0.3f, 0.2f, 0.5f}, 0.4f));
+  b.add_light(sunlight(vec3(1.0f), 3.0f), aimed({3, 4, 2}, vec3(0.0f)));
+  const Film plain = draw(b.build(), dark_environment(), sphere_view(), drawn(kSize));
+  for (const shade::ShadingModel& model :
+       {shade::shading_model_ue4(), shade::shading_model_learnopengl(), shade::shading_model_blinn_phong()}) {
+    path::Settings traced = centred(kSize, 1, 1);
+    raster::Settings settings = drawn(kSize);
+    traced.shading = settings.shading = model;
+    const Film expected = shoot(b.build(), dark_environment(), sphere_view(), traced);
+    const Film found = draw(b.build(), dark_environment(), sphere_view(), settings);
+    EXPECT_LT(compare(expected.beauty, found.beauty, 0.02).worst, 5e-3);
+    // The twin: the default model is seen to be another.
+    EXPECT_GT(compare(expected.beauty, plain.beauty, 0.02).worst, 5e-3);
+  }
+}
+
 TEST_F(law_raster, agreement_sees_a_light_that_is_one_percent_brighter) {
   SceneBuilder b, brighter;
   for (SceneBuilder* s : {&b, &brighter}) {

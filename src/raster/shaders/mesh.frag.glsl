@@ -160,6 +160,15 @@ SurfaceParams fetch_params() {
   float left = 1.0 - shade_max3(p.specular_color);
   p.base_color = min(p.base_color * (left / (1.0 - kWorkflowF0)), vec3(1.0));
 #endif
+#ifdef MODEL_BLEND
+  p.model.distribution = MODEL_DISTRIBUTION;
+  p.model.masking = MODEL_MASKING;
+  p.model.fresnel = MODEL_FRESNEL;
+  p.model.diffuse = MODEL_DIFFUSE;
+  p.model.blend = MODEL_BLEND;
+  p.model.multiscatter = MODEL_MULTISCATTER == 1;
+  p.model.literal_layers = MODEL_LITERAL_LAYERS == 1;
+#endif
 #ifdef HAS_LAYERS
   p.anisotropy = anisotropy.x;
 #ifdef HAS_anisotropy
