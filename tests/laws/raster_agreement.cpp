@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-class law_raster : public NeedsGl {};
+class law_raster : public NeedsGl {};  // NOLINT(readability-identifier-naming): a suite is named as its laws
 
 constexpr int kSize = 96;
 
