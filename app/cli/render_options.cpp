@@ -118,6 +118,23 @@ void add_camera(CLI::App* verb, RenderOptions& o) {
   }
 }
 
+void add_time(CLI::App* verb, RenderOptions& o) {
+  const std::string group = "Time";
+  const auto text = [](const std::string& value) { return value; };
+  add_value(verb, "--frame-time", "1.5s", o.frame_time_s, parse_moment,
+            "The moment of the animation that is shown [the file at rest; 0s with the options below]")
+      ->group(group);
+  add_value(verb, "--animation", "NAME|INDEX|all", o.animation, text,
+            "Which of the file's animations, as candela info lists them; all: every one together [the first]")
+      ->group(group);
+  add_value(verb, "--shutter", "20ms", o.shutter_s, parse_duration,
+            "Motion blur: how long the picture is exposed while the scene moves [not at all]")
+      ->group(group);
+  add_value(verb, "--sequence", "N", o.sequence, count_within(1, 100000),
+            "N pictures over the animation from --frame-time to its end, into -o NAME%03d.png")
+      ->group(group);
+}
+
 void add_light(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Light";
   const auto text = [](const std::string& value) { return value; };
@@ -206,6 +223,8 @@ Examples:
   candela render helmet.glb -o logo.png --background transparent --exposure 1.5 --tonemap agx
   candela render helmet.glb -o frame.png --engine raster
   candela render helmet.glb -o frames/%03d.png --engine raster --turntable 48
+  candela render fox.glb -o run.png --animation Run --frame-time 0.4s --shutter 20ms
+  candela render fox.glb -o run/%03d.png --engine raster --animation Run --sequence 30
   candela render a.glb b.glb c.glb -o pictures/ --engine raster --size 256x256
   candela render city.gltf -o city.jpg --size 3840x2160 --time 10min --stats city.json
 
@@ -224,6 +243,7 @@ void check_batch(RenderOptions& o) {
   if (o.scenes.size() == 1 && !is_folder) return;
   if (!is_folder) throw UsageError("--output: of several scenes it is one folder: -o DIR/");
   if (o.turntable) throw UsageError("--turntable: one scene at a time");
+  if (o.sequence) throw UsageError("--sequence: one scene at a time");
   if (o.stats) throw UsageError("--stats: one scene at a time");
   if (!o.settings.layers.empty()) throw UsageError("--aov: only an .exr holds layers; give one scene and -o FILE.exr");
   o.is_batch = true;
@@ -232,9 +252,10 @@ void check_batch(RenderOptions& o) {
 void check_outputs(RenderOptions& o) {
   check_batch(o);
   if (o.is_batch) return;
-  if (o.outputs.empty()) o.outputs.push_back(default_stem(o.scene) + (o.turntable ? "-%03d.png" : ".png"));
+  if (o.turntable && o.sequence) throw UsageError("--sequence: not together with --turntable");
+  if (o.outputs.empty()) o.outputs.push_back(default_stem(o.scene) + (o.has_many_pictures() ? "-%03d.png" : ".png"));
   for (const std::string& output : o.outputs) {
-    if (o.turntable && !is_frame_pattern(output)) {
+    if (o.has_many_pictures() && !is_frame_pattern(output)) {
       throw UsageError("--output: " + output + " has no place for the number of a picture: NAME%03d.png");
     }
   }
@@ -287,6 +308,7 @@ CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
   add_picture(verb, options);
   add_sampling(verb, options);
   add_camera(verb, options);
+  add_time(verb, options);
   add_light(verb, options);
   add_running(verb, options);
   add_raster(verb, options);
@@ -301,9 +323,10 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   o.scene = o.scenes.front();
   check_engine(verb, o);
   constexpr int kDefaultSamples = 128;
-  constexpr int kDefaultFrames = 1;
+  constexpr int kBlurFrames = 32;
+  const int default_frames = o.shutter_s > 0.0 ? kBlurFrames : 1;
   const bool open_ended = o.settings.time_limit_s || o.settings.noise;
-  o.settings.samples = o.samples.value_or(o.engine == Engine::raster ? kDefaultFrames
+  o.settings.samples = o.samples.value_or(o.engine == Engine::raster ? default_frames
                                           : open_ended               ? kOpenEndedSamples
                                                                      : kDefaultSamples);
   o.settings.width = o.size.x;

@@ -1,20 +1,52 @@
 #include "candela/candela.h"
 
+#include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "io/demo.h"
-#include "io/gltf.h"
 
 namespace candela {
 
-Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant) {
-  constexpr std::string_view kDemo = "demo:";
-  if (path_or_demo.starts_with(kDemo)) {
-    if (!variant.empty()) throw Error("a built-in scene has no variants", path_or_demo);
-    return io::make_demo(path_or_demo.substr(kDemo.size()));
+namespace {
+
+constexpr std::string_view kDemo = "demo:";
+
+}  // namespace
+
+Asset::Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant)
+    : name_(path_or_demo), diagnostics_(diagnostics) {
+  if (!name_.starts_with(kDemo)) {
+    file_ = std::make_shared<io::GltfFile>(name_, diagnostics_ != nullptr ? *diagnostics_ : ignored_,
+                                           io::LoadOptions{.variant = variant});
+  } else if (!variant.empty()) {
+    throw Error("a built-in scene has no variants", name_);
   }
-  Diagnostics ignored;
-  return io::load_gltf(path_or_demo, diagnostics != nullptr ? *diagnostics : ignored, {.variant = variant});
+}
+
+Scene Asset::scene(const std::optional<Pose>& pose) {
+  if (file_ != nullptr) {
+    // What is odd about a file is said once, not at every moment.
+    Diagnostics* diagnostics = std::exchange(diagnostics_, nullptr);
+    return file_->scene(diagnostics != nullptr ? *diagnostics : ignored_, pose);
+  }
+  if (pose && !pose->animation.empty()) throw Error("a built-in scene has no animations", name_);
+  return io::make_demo(name_.substr(kDemo.size()));
+}
+
+bool Asset::is_animated() const { return file_ != nullptr && !file_->info().animations.empty(); }
+
+double Asset::duration_s(const std::string& animation) const {
+  double longest = 0.0;
+  if (file_ == nullptr) return longest;
+  for (const std::size_t index : file_->find_animations(animation)) {
+    longest = std::max<double>(longest, file_->info().animations[index].duration_s);
+  }
+  return longest;
+}
+
+Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant) {
+  return Asset(path_or_demo, diagnostics, variant).scene();
 }
 
 Box3 subject_bounds(const Scene& scene) {

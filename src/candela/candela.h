@@ -1,12 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "base/diagnostics.h"
 #include "base/error.h"
 #include "image/develop.h"
 #include "image/film.h"
+#include "io/gltf.h"
 #include "path/render.h"
 #include "scene/environment.h"
 #include "scene/scene.h"
@@ -22,6 +25,27 @@ namespace candela {
 /// Loads a .gltf/.glb, or a built-in scene by "demo:NAME". Throws Error. Warnings go to `diagnostics` when given.
 /// `variant` names one of the file's material variants; empty = its default look.
 Scene load(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr, const std::string& variant = {});
+
+using io::Pose;
+
+/// A scene that can be had at any moment of its animations; what does not move is read and decoded once.
+class Asset {
+ public:
+  /// As load().
+  explicit Asset(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr, const std::string& variant = {});
+
+  /// The scene at rest, or as an animation has it. A built-in scene has no animations: naming one throws Error.
+  Scene scene(const std::optional<Pose>& pose = std::nullopt);
+  /// Seconds that the animations of that name last, as Pose::animation names them; 0 where nothing moves.
+  double duration_s(const std::string& animation) const;
+  bool is_animated() const;
+
+ private:
+  std::string name_;
+  Diagnostics ignored_;
+  Diagnostics* diagnostics_;
+  std::shared_ptr<io::GltfFile> file_;  ///< null of a built-in scene
+};
 
 /// The view a user would expect without saying more: the file's first camera, else the whole subject in three-quarter
 /// view.

@@ -146,6 +146,15 @@ bool GpuMaterial::is_transmissive() const { return (key.lobes & shade::kLobeTran
 
 GpuScene::GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
   add_materials(scene, model, diagnostics);
+  set_geometry(scene);
+}
+
+void GpuScene::set_geometry(const Scene& scene) {
+  primitives_.clear();
+  first_primitive_.clear();
+  draws_.clear();
+  bounds_ = {};
+  triangle_count_ = 0;
   for (const Mesh& mesh : scene.meshes) {
     first_primitive_.push_back(primitives_.size());
     add_mesh(mesh);

@@ -47,6 +47,9 @@ class GpuScene {
   /// Warns of what the driver cannot hold as it is.
   GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
 
+  /// Geometry of another moment of the same scene.
+  void set_geometry(const Scene& scene);
+
   const std::vector<GpuPrimitive>& primitives() const { return primitives_; }
   const GpuMaterial& material_of(const Draw& draw) const {
     return materials_[static_cast<std::size_t>(primitives_[static_cast<std::size_t>(draw.primitive)].material)];

@@ -130,7 +130,8 @@ void show_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
 }
 
 /// The mean of a view's frames.
-Film draw_view(Renderer& renderer, const View& view, const Settings& settings, Statistics& s) {
+Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const MomentOf& moment,
+               const Settings& settings, Statistics& s) {
   Film film;
   film.beauty = Image(settings.width, settings.height, 4);
   for (int frame = 0; frame < settings.frames; ++frame) {
@@ -138,6 +139,12 @@ Film draw_view(Renderer& renderer, const View& view, const Settings& settings, S
     const vec4 u = lattice_point(frame);
     const vec2 jitter = is_still ? vec2(u) - 0.5f : vec2(0.0f);
     const vec2 lens = is_still ? sample_aperture(view.lens, {u.z, u.w}) : vec2(0.0f);
+    if (moment) {
+      const Moment now = moment(picture_index, frame);
+      view = now.view;
+      renderer.set_scene(*now.scene);
+      renderer.begin(view);
+    }
     renderer.draw(view, jitter, lens);
     const Image picture = renderer.read();
     const float share = 1.0f / static_cast<float>(settings.frames);
@@ -169,7 +176,7 @@ Film draw_view(Renderer& renderer, const View& view, const Settings& settings, S
 
 void Session::draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
                    const Settings& settings, Diagnostics& diagnostics,
-                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics) {
+                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics, const MomentOf& moment) {
   Statistics ignored;
   Statistics& s = statistics != nullptr ? *statistics : ignored;
   Stopwatch watch;
@@ -210,7 +217,7 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
       renderer.set_light(parts_->light);
       watch.lap();
     }
-    Film film = draw_view(renderer, views[i], settings, s);
+    Film film = draw_view(renderer, views[i], i, moment, settings, s);
     s.frame_s += watch.lap();
     take(i, std::move(film));
   }

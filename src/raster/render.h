@@ -54,6 +54,14 @@ struct Statistics {
   std::uint64_t non_finite_pixels = 0;  ///< must be 0; each is black in the picture
 };
 
+/// What one frame of a picture shows where things move: `scene` must have the materials, images and lights of the scene
+/// that is drawn, and live until the next moment is asked for.
+struct Moment {
+  const Scene* scene = nullptr;
+  View view;
+};
+using MomentOf = std::function<Moment(std::size_t picture, int frame)>;
+
 /// An OpenGL context, and the environment that was baked last: many pictures pay for them once. To be used on the
 /// thread that made it.
 class Session {
@@ -65,10 +73,11 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   /// Draws `scene` under `environment` from each of `views`, uploading and compiling once, and hands each picture to
-  /// `take` with the index of its view. Throws Error where the driver refuses a shader or runs out of memory.
+  /// `take` with the index of its view. Where there is a `moment`, each frame shows what it says. Throws Error where
+  /// the driver refuses a shader or runs out of memory.
   void draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
             const Settings& settings, Diagnostics& diagnostics, const std::function<void(std::size_t, Film)>& take,
-            Statistics* statistics = nullptr);
+            Statistics* statistics = nullptr, const MomentOf& moment = {});
 
  private:
   struct Parts;

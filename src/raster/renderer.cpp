@@ -83,7 +83,7 @@ gl::Texture upload_panorama(const Image* map) {
 
 Renderer::Renderer(const Scene& scene, const Environment& environment, const Settings& settings,
                    Diagnostics& diagnostics)
-    : scene_(scene),
+    : scene_(&scene),
       environment_(environment),
       settings_(settings),
       diagnostics_(diagnostics),
@@ -108,6 +108,11 @@ void Renderer::set_light(const BakedLight& light) {
   specular_ = upload_cube(light.specular);
   diffuse_ = upload_cube(cube_of_one_level(light.irradiance));
   if (!light.sheen.empty()) sheen_ = upload_cube(light.sheen);
+}
+
+void Renderer::set_scene(const Scene& scene) {
+  scene_ = &scene;
+  gpu_.set_geometry(scene);
 }
 
 void Renderer::warm_up(const View& view) {
@@ -178,7 +183,7 @@ void Renderer::make_targets() {
 
 void Renderer::begin(const View& view) {
   const FrameCamera camera = frame_camera(view, settings_.width, settings_.height, gpu_.bounds());
-  lights_ = collect_lights(scene_, environment_, gpu_.bounds(), camera, diagnostics_);
+  lights_ = collect_lights(*scene_, environment_, gpu_.bounds(), camera, diagnostics_);
   glBindBuffer(GL_UNIFORM_BUFFER, lights_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof lights_.block, &lights_.block, GL_DYNAMIC_DRAW);
   draw_shadows();

@@ -18,6 +18,8 @@ class Renderer {
   /// `scene` and `environment` must outlive it. Until set_light() nothing arrives from far away but suns.
   Renderer(const Scene& scene, const Environment& environment, const Settings& settings, Diagnostics& diagnostics);
   void set_light(const BakedLight& light);
+  /// Another moment of the same scene; it must outlive what is drawn of it. begin() has to follow.
+  void set_scene(const Scene& scene);
 
   /// Lets the driver compile what the frames of a view need, without drawing any pixel that counts.
   void warm_up(const View& view);
@@ -53,7 +55,7 @@ class Renderer {
   void draw_one(std::size_t index, const PassKey& pass);
   void resolve(GLuint framebuffer);
 
-  const Scene& scene_;
+  const Scene* scene_;
   const Environment& environment_;
   Settings settings_;
   Diagnostics& diagnostics_;
