@@ -64,6 +64,7 @@ Entry sun_light(const SunDisc& sun) {
   e.light.cone.z = -1.0f;
   e.light.polynomial.w = -1.0f;
   e.light.across = {1, 0, 0, 1};
+  e.light.cone.x = sun.angular_radius;
   e.strength = luminance(irradiance);
   e.is_sun = true;
   return e;
@@ -91,7 +92,7 @@ void add_cone(SceneLights& lights, vec3 position, vec3 direction, float tangent,
   const vec2 extent(tangent * near);
   const auto i = static_cast<std::size_t>(lights.shadow_count++);
   lights.block.shadow_from_world[i] = perspective_projection(-extent, extent, near, far) * from_world;
-  lights.block.shadow_texel[i] = {2.0f * tangent / static_cast<float>(lights.shadow_size), 1.0f, 0.0f, 0.0f};
+  lights.block.shadow_texel[i] = {2.0f * tangent / static_cast<float>(lights.shadow_size), 1.0f, near, far};
 }
 
 /// Cascades: slices of what the camera sees of the scene, each in a box along the light.
@@ -135,7 +136,16 @@ void add_cascades(SceneLights& lights, vec3 direction, const Box3& bounds, const
     lights.block.shadow_from_world[i] =
         orthographic_projection(vec2(box.lower), vec2(box.upper), -box.upper.z, -box.lower.z) * from_world;
     lights.block.shadow_texel[i] = {std::max(box.size().x, box.size().y) / static_cast<float>(lights.shadow_size), 0.0f,
-                                    0.0f, 0.0f};
+                                    -box.upper.z, -box.lower.z};
+  }
+}
+
+/// In the order in which the shader chooses a face: the axis that points from the light to the surface.
+void add_six(SceneLights& lights, vec3 position, const Box3& bounds) {
+  for (const vec3& axis :
+       {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0), vec3(0, 0, 1), vec3(0, 0, -1)}) {
+    // A little more than a right angle, for filters at the edges.
+    add_cone(lights, position, axis, 1.02f, bounds);
   }
 }
 
@@ -175,9 +185,10 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
   }
 
   SceneLights lights;
+  lights.shadow_owner.fill(-1);
   int wanted = 0;
   for (const Entry& e : entries) wanted += views_of(e);
-  lights.shadow_size = wanted <= 8 ? 2048 : 1024;
+  lights.shadow_size = wanted == 0 ? 0 : wanted <= 8 ? 2048 : 1024;
   bool is_short = false;
   for (Entry& e : entries) {
     lights.has_suns |= e.is_sun;
@@ -192,11 +203,7 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
       e.light.cone.w = static_cast<float>(views);
       switch (type_of(e)) {
         case LightType::point:
-          // In the order in which the shader chooses a face: the axis that points from the surface to the light.
-          for (const vec3& axis :
-               {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0), vec3(0, 0, 1), vec3(0, 0, -1)}) {
-            add_cone(lights, position, axis, 1.01f, bounds);
-          }
+          add_six(lights, position, bounds);
           break;
         case LightType::spot:
           add_cone(lights, position, direction, std::tan(0.5f * std::min(2.0f * e.half_angle, kWidestSpot)) * 1.01f,
@@ -211,6 +218,26 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
   }
   if (is_short) diagnostics.warn("so many lights that the weakest cast no shadow", scene.name);
   return lights;
+}
+
+void add_point_shadows(SceneLights& lights, vec3 position, const Box3& bounds, vec4& shape) {
+  if (bounds.empty() || lights.shadow_count + 6 > kMostShadows) return;
+  if (lights.shadow_size == 0) lights.shadow_size = 1024;
+  shape.z = static_cast<float>(lights.shadow_count);
+  shape.w = 6.0f;
+  add_six(lights, position, bounds);
+}
+
+void add_panel_shadows(SceneLights& lights, vec3 center, vec3 normal, bool has_two_sides, const Box3& bounds,
+                       vec4& shape) {
+  constexpr float kWide = 4.5f;  // tangent of half of 155 degrees
+  const int sides = has_two_sides ? 2 : 1;
+  if (bounds.empty() || lights.shadow_count + sides > kMostShadows) return;
+  if (lights.shadow_size == 0) lights.shadow_size = 1024;
+  shape.z = static_cast<float>(lights.shadow_count);
+  shape.w = static_cast<float>(sides);
+  add_cone(lights, center, normal, kWide, bounds);
+  if (has_two_sides) add_cone(lights, center, -normal, kWide, bounds);
 }
 
 gl::Texture upload_profiles(const Scene& scene) {

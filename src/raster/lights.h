@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <array>
 
 #include "base/diagnostics.h"
 #include "gl/gl.h"
@@ -15,9 +15,12 @@ namespace candela::raster {
 struct SceneLights {
   LightsBlock block;
   int count = 0;
+  int area_count = 0;
   int shadow_count = 0;   ///< layers of the shadow maps
   int shadow_size = 0;    ///< texels a side
   bool has_suns = false;  ///< discs, which even a mirror must show
+  std::array<int, kMostShadows>
+      shadow_owner{};  ///< the area whose light a layer is of, which casts no shadow in it; -1
 };
 
 /// `bounds` is what casts and receives shadows, `camera` decides where the cascades of directional lights lie. The
@@ -25,6 +28,12 @@ struct SceneLights {
 /// likewise.
 SceneLights collect_lights(const Scene& scene, const Environment& environment, const Box3& bounds,
                            const FrameCamera& camera, Diagnostics& diagnostics);
+
+/// Views from a point to all sides, and from a panel to its front or to both sides, as far as there is room for them.
+/// `shape` is that of an AreaEntry, whose z and w become the first and the count.
+void add_point_shadows(SceneLights& lights, vec3 position, const Box3& bounds, vec4& shape);
+void add_panel_shadows(SceneLights& lights, vec3 center, vec3 normal, bool has_two_sides, const Box3& bounds,
+                       vec4& shape);
 
 /// The IES profiles of a scene as layers of one texture: horizontal angle by vertical angle, candela.
 gl::Texture upload_profiles(const Scene& scene);

@@ -52,8 +52,10 @@ bool uses_sheen(const Scene& scene) {
 bool only_glows(const Scene& scene, const Environment& environment) {
   const bool has_lamp =
       std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.light >= 0; });
-  const bool glows = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                 [](const Material& m) { return max_component(m.emission) > 0.0f && !m.unlit; });
+  // By a texture, whose lamps nobody finds; what glows evenly is a light.
+  const bool glows = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+    return max_component(m.emission) > 0.0f && m.emissive_texture && !m.unlit;
+  });
   return glows && !has_lamp && !is_lit_from_far(environment) && environment.suns.empty();
 }
 

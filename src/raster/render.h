@@ -30,6 +30,10 @@ struct Settings {
   /// How far away surfaces occlude what comes from the environment, over the diagonal of the scene; 0 = they do not.
   float occlusion_radius = 0.0f;
   Background background = Background::environment;
+  /// Shadows that soften with the distance from what casts them: of suns and area lights by their own size, of points
+  /// and spots by `light_radius`.
+  bool has_soft_shadows = false;
+  float light_radius = 0.0f;            ///< metres
   Quantity quantity = Quantity::light;  ///< shown in place of all light; then without a background
   int shown_light = 0;                  ///< of Quantity::one_light, the strongest is 0
   shade::ShadingModel shading = shade::shading_model_candela();

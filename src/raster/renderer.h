@@ -48,11 +48,12 @@ class Renderer {
   void upload_table();
   void bind_shared(const FrameCamera& camera);
   void draw_shadows();
+  void draw_scattering(const FrameCamera& camera);
   void draw_background(const FrameCamera& camera);
   /// Draws those of `order` with the programs of `pass`.
   void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
   void draw_quantity(Quantity quantity, const FrameCamera& camera);
-  void draw_one(std::size_t index, const PassKey& pass);
+  void draw_some(std::size_t first, std::size_t count, const PassKey& pass);
   void resolve(GLuint framebuffer);
 
   const Scene* scene_;
@@ -62,6 +63,7 @@ class Renderer {
   Programs programs_;
   GpuScene gpu_;
   SceneLights lights_;
+  std::vector<int> area_of_draw_;  ///< which area light a draw is, -1 none
   bool has_light_ = false;
   bool expects_light_ = false;  ///< the environment is more than suns
   int frame_ = 0;
@@ -72,6 +74,11 @@ class Renderer {
   std::array<gl::Texture, 2> visibility_;  ///< as found, and its mean
   gl::Framebuffer depth_framebuffer_;
   std::array<gl::Framebuffer, 2> visibility_framebuffer_;
+  bool has_scattering_ = false;           ///< something in the scene spreads light, and the picture shows it
+  std::array<gl::Texture, 2> scattered_;  ///< light that spreads, and how wide
+  std::array<gl::Renderbuffer, 2> scattered_samples_;
+  std::array<gl::Framebuffer, 2> scattered_framebuffer_;
+  gl::Sampler depth_sampler_;  ///< reads shadow maps without comparing
   gl::Texture resolved_, opaque_picture_;
   gl::Framebuffer resolved_framebuffer_, picture_framebuffer_, shadow_framebuffer_;
   gl::Buffer frame_block_, lights_block_;

@@ -118,6 +118,11 @@ struct Material {
   bool specular_glossiness = false;
   TextureSlot specular_glossiness_texture;  ///< RGB sRGB multiplies specular_color, A multiplies glossiness
 
+  /// Relief of the surface (extras.candela.heightTexture): along the normal by (height - height_level) × height_scale.
+  TextureSlot height_texture;  ///< R
+  float height_scale = 0.0f;   ///< metres in the mesh's space between black and white
+  float height_level = 1.0f;   ///< the value that lies on the mesh itself
+
   /// A measured metal (extras.candela.conductor): complex index n + ik at the red, green and blue primaries; used for
   /// the metallic part instead of base_color as F0. k = 0 in every channel: none.
   vec3 conductor_n{1.0f};
@@ -153,7 +158,8 @@ auto texture_slots(M& m) {
                     &m.thickness_texture,
                     &m.diffuse_transmission_texture,
                     &m.diffuse_transmission_color_texture,
-                    &m.specular_glossiness_texture};
+                    &m.specular_glossiness_texture,
+                    &m.height_texture};
 }
 
 /// Triangles with one material. All vertex arrays have the same length or, where optional, are empty.

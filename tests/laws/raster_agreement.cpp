@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/gltf.h"
 #include "raster/render.h"
 #include "unit/path/scenes.h"
 #include "unit/raster/gl_fixture.h"
@@ -13,6 +14,7 @@ namespace candela {
 namespace {
 
 using namespace test;
+namespace fs = std::filesystem;
 
 class law_raster : public NeedsGl {};  // NOLINT(readability-identifier-naming): a suite is named as its laws
 
@@ -278,6 +280,58 @@ TEST_F(law_raster, layers_are_those_of_the_path_tracer) {
       differing += is_same ? 0 : 1;
     }
     EXPECT_LT(differing, static_cast<int>(e.pixels.size()) / 200) << layer_name(layer);
+  }
+}
+
+// Whatever carries a vertex, it stands at one place.
+TEST_F(law_raster, animated_skinned_and_morphed_models_stand_alike) {
+  const fs::path models = fs::path(CANDELA_ASSETS) / "models";
+  if (!fs::exists(models)) GTEST_SKIP() << "no assets at " << models;
+  struct Sample {
+    const char* file;
+    double moment_s;
+    const char* animation = "";
+  };
+  for (const Sample& sample :
+       {Sample{"CesiumMan/glTF-Binary/CesiumMan.glb", 0.6}, Sample{"Fox/glTF-Binary/Fox.glb", 0.4},
+        Sample{"MorphStressTest/glTF-Binary/MorphStressTest.glb", 0.7},
+        Sample{"InterpolationTest/glTF-Binary/InterpolationTest.glb", 1.1, "all"},
+        Sample{"SimpleInstancing/glTF-Binary/SimpleInstancing.glb", 0.0}}) {
+    Diagnostics diagnostics;
+    io::GltfFile file(models / sample.file, diagnostics);
+    const Scene rest = file.scene(diagnostics);
+    const Scene scene = file.scene(diagnostics, io::Pose{sample.animation, sample.moment_s});
+    const Box3 bounds = world_bounds(scene);
+    const View view = frame_box(bounds, 1.0f, 0.8f);
+    raster::Settings settings = drawn(kSize);
+    settings.layers = {Layer::position};
+    path::Settings traced;
+    traced.width = traced.height = kSize;
+    traced.samples = 1;
+    traced.layers = settings.layers;
+    Environment environment;
+    environment.constant = vec3(1.0f);
+    const Image expected = path::render(scene, environment, view, traced).layers.at(Layer::position);
+    const Image found = draw(scene, environment, view, settings).layers.at(Layer::position);
+    const float size = glm::length(bounds.size());
+    int covered = 0, apart = 0;
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) {
+        covered += max_component(glm::abs(expected.rgb(x, y))) > 0.0f ? 1 : 0;
+        apart += glm::length(expected.rgb(x, y) - found.rgb(x, y)) > 1e-3f * size ? 1 : 0;
+      }
+    }
+    EXPECT_GT(covered, kSize) << sample.file;
+    // Edges, where the two round a pixel's centre to either side.
+    EXPECT_LT(apart, covered / 50 + 4) << sample.file;
+    if (sample.moment_s == 0.0) continue;
+    // And it is not where it rests.
+    const Image resting = draw(rest, environment, view, settings).layers.at(Layer::position);
+    int moved = 0;
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) moved += glm::length(resting.rgb(x, y) - found.rgb(x, y)) > 1e-2f * size ? 1 : 0;
+    }
+    EXPECT_GT(moved, covered / 20) << sample.file;
   }
 }
 
