@@ -82,6 +82,9 @@ raster::Settings raster_settings(const RenderOptions& o) {
   settings.shown_light = o.shown_light;
   if (o.keeps_cache) settings.cache = raster::default_cache();
   settings.shader_folder = o.shader_folder;
+  settings.ambient = o.ambient;
+  settings.has_soft_shadows = o.has_soft_shadows;
+  settings.light_radius = o.light_radius;
   return settings;
 }
 
@@ -237,6 +240,7 @@ Job prepare(const RenderOptions& o, Shared& shared, Diagnostics& diagnostics) {
   job.develop = default_develop(job.scene, job.environment);
   if (o.exposure) job.develop.exposure = *o.exposure;
   job.develop.tone_curve = o.tone_curve;
+  job.develop.bloom = o.bloom;
   if (raster::is_of_surface(o.quantity) || o.quantity == raster::Quantity::luminance ||
       o.quantity == raster::Quantity::non_finite) {
     // Numbers, not light: shown as they are.
@@ -248,7 +252,7 @@ Job prepare(const RenderOptions& o, Shared& shared, Diagnostics& diagnostics) {
   if (world_bounds(job.scene).empty()) diagnostics.warn("nothing in the scene has a mesh", o.scene);
   for (const fs::path output : o.outputs) {
     if (is_linear_format(output) && o.develop_given) {
-      diagnostics.warn("--exposure and --tonemap have no effect on linear radiance", output.string());
+      diagnostics.warn("--exposure, --tonemap and --bloom have no effect on linear radiance", output.string());
     }
     const bool keeps_alpha = has_extension(output, ".png") || has_extension(output, ".exr");
     if (o.background.kind == path::Background::transparent && !o.background.color && !keeps_alpha) {
@@ -519,6 +523,9 @@ void draw(const RenderOptions& o, Job& job, Shared& shared, Times& times, const 
   }
   std::vector<View> views = job.views;
   views.resize(job.moments_s.size(), views.back());
+  constexpr int kProbeSamples = 64;
+  if (o.probes > 0) progress.phase("tracing probes");
+  shared.raster().set_probes(bake_probes(job.scene, job.environment, o.probes, kProbeSamples));
   shared.raster().draw(job.scene, job.environment, views, settings, diagnostics, take, &statistics, moment);
   times.total_s = total.seconds();
   if (statistics.non_finite_pixels > 0) {

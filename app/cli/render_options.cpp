@@ -47,6 +47,9 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--tonemap", "CURVE", o.tone_curve, parse_tone_curve,
             "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")
       ->group(group);
+  add_value(verb, "--bloom", "X", o.bloom, number_within(0.0f, 1.0f),
+            "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
+      ->group(group);
   add_value(verb, "--background", "env|transparent|COLOUR", o.background, parse_background,
             "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
       ->group(group);
@@ -201,6 +204,18 @@ void add_raster(CLI::App* verb, RenderOptions& o) {
       verb, "--ao", "X", o.occlusion_radius, number_within(0.0f, 1.0f),
       "How far surfaces take the environment's light from each other, over the scene's size, e.g. 0.05 [0: not at all]")
       ->group(group);
+  verb->add_flag("--soft-shadows", o.has_soft_shadows,
+                 "Shadows of suns soften with the distance from what casts them (those of glowing surfaces always do)")
+      ->group(group);
+  add_value(verb, "--light-radius", "M", o.light_radius, number_within(0.0f, 1e6f),
+            "The same for points and spots, as if they were balls so large [0: hard]")
+      ->group(group);
+  add_value(verb, "--ambient", "KIND", o.ambient, parse_ambient,
+            "Light from far away: baked, or for comparison harmonics, mips, constant, none [baked]")
+      ->group(group);
+  add_value(verb, "--probes", "N", o.probes, count_within(0, 64),
+            "Light from within the scene, path traced at N places, in place of that from far away [0]")
+      ->group(group);
   verb->add_flag("!--no-cache", o.keeps_cache, "Bake the environment anew, and keep nothing of it")->group(group);
   const auto folder = [](const std::string& value) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
@@ -289,7 +304,9 @@ void check_engine(const CLI::App& verb, const RenderOptions& o) {
   if (is_raster) {
     refuse({"--time", "--noise", "--bounces", "--seed", "--filter", "--integrator"}, "only for --engine path");
   } else {
-    refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao"}, "only for --engine raster");
+    refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao", "--soft-shadows", "--light-radius", "--ambient",
+            "--probes"},
+           "only for --engine raster");
   }
 }
 
@@ -332,7 +349,8 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   o.settings.width = o.size.x;
   o.settings.height = o.size.y;
   o.settings.background = o.background.kind;
-  o.develop_given = verb.count("--exposure") + verb.count("--tonemap") > 0;
+  o.develop_given = verb.count("--exposure") + verb.count("--tonemap") + verb.count("--bloom") > 0;
+  if (o.light_radius > 0.0f) o.has_soft_shadows = true;
   o.focus_given = verb.count("--focus-distance") > 0;
 
   if (o.sun_elevation) {

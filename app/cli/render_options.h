@@ -39,6 +39,11 @@ struct RenderOptions {
   raster::Quantity quantity = raster::Quantity::light;
   int shown_light = 0;
   float occlusion_radius = raster::Settings{}.occlusion_radius;
+  raster::Ambient ambient = raster::Ambient::baked;
+  bool has_soft_shadows = false;
+  float light_radius = 0.0f;
+  int probes = 0;
+  float bloom = 0.0f;
   std::string shader_folder;  ///< raster; empty = the shaders in the program
   int threads = 0;
 

@@ -197,6 +197,13 @@ Engine parse_engine(const std::string& text) {
       text, std::array<std::pair<std::string_view, Engine>, 2>{{{"path", Engine::path}, {"raster", Engine::raster}}});
 }
 
+raster::Ambient parse_ambient(const std::string& text) {
+  using enum raster::Ambient;
+  return one_of(
+      text, std::array<std::pair<std::string_view, raster::Ambient>, 5>{
+                {{"baked", baked}, {"harmonics", harmonics}, {"mips", mips}, {"constant", constant}, {"none", none}}});
+}
+
 FalloffChoice parse_falloff(const std::string& text) {
   using enum Falloff;
   constexpr std::string_view kPolynomial = "polynomial:";

@@ -8,6 +8,7 @@
 #include "image/film.h"
 #include "math/types.h"
 #include "path/render.h"
+#include "raster/image_light.h"
 #include "scene/view.h"
 
 /// What the text of an option means. Every function throws UsageError for a text that is not exactly that.
@@ -42,6 +43,7 @@ struct BackgroundChoice {
 BackgroundChoice parse_background(const std::string& text);
 enum class Engine { path, raster };
 Engine parse_engine(const std::string& text);
+raster::Ambient parse_ambient(const std::string& text);
 
 struct FalloffChoice {
   Falloff kind = Falloff::gltf;

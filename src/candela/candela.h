@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/diagnostics.h"
 #include "base/error.h"
@@ -11,6 +12,7 @@
 #include "image/film.h"
 #include "io/gltf.h"
 #include "path/render.h"
+#include "raster/render.h"
 #include "scene/environment.h"
 #include "scene/scene.h"
 #include "scene/view.h"
@@ -65,6 +67,10 @@ DevelopSettings default_develop(const Scene& scene);
 /// Renders with default_environment and default_view.
 Film render(const Scene& scene, const path::Settings& settings = {});
 using path::render;
+
+/// Light as it arrives at `count` places spread over a scene, path traced with `samples` per texel; lamps and suns are
+/// left out, which the rasterizer draws as lights of their own. For raster::Session::set_probes.
+std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples);
 
 /// "0.1.0"
 const char* version();

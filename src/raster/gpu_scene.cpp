@@ -50,8 +50,8 @@ std::vector<Vertex> interleave(const Primitive& p) {
 
 /// Whether light that enters comes back out near by: a body whose scattering hides what is behind it.
 bool is_scattering(const Material& m) {
-  return m.has_volume() && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f) && !m.unlit && max_component(m.multiscatter_color) > 0.0f &&
-         max_component(volume_extinction(m)) > 0.0f;
+  return m.has_volume() && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f) && !m.unlit &&
+         max_component(m.multiscatter_color) > 0.0f && max_component(volume_extinction(m)) > 0.0f;
 }
 
 MaterialBlock make_block(const Material& m) {

@@ -100,6 +100,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(pass.has_opaque_picture, "HAS_OPAQUE_PICTURE");
   add(pass.has_occlusion, "HAS_SCREEN_OCCLUSION");
   add(pass.has_areas, "HAS_AREAS");
+  add(pass.has_probes, "HAS_PROBES");
   add(pass.has_soft_shadows, "HAS_SOFT_SHADOWS");
   add(pass.has_scattering, "HAS_SCATTERING");
   if (key.emissive > 0) text += define("IS_EMISSIVE", key.emissive);

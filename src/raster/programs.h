@@ -37,6 +37,7 @@ struct PassKey {
   bool has_opaque_picture = false;
   bool has_occlusion = false;  ///< of the screen
   bool has_areas = false;
+  bool has_probes = false;
   bool has_soft_shadows = false;
   bool has_scattering = false;          ///< the picture has layers of light that has yet to spread
   bool has_coverage = false;            ///< masks become coverage of several samples

@@ -89,6 +89,7 @@ struct Session::Parts {
   double open_s = 0.0;
   LightKey key;  ///< of `light`
   BakedLight light;
+  std::vector<Probe> probes;
 };
 
 Session::Session() : parts_(std::make_unique<Parts>()) {
@@ -98,6 +99,8 @@ Session::Session() : parts_(std::make_unique<Parts>()) {
 }
 
 Session::~Session() = default;
+
+void Session::set_probes(std::vector<Probe> probes) { parts_->probes = std::move(probes); }
 
 namespace {
 
@@ -216,7 +219,9 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
       s.compile_s = watch.lap();
       baked.get();
       s.is_light_cached = parts_->light.is_cached;
-      renderer.set_light(parts_->light);
+      renderer.set_light(settings.ambient == Ambient::baked ? parts_->light
+                                                            : simplified(parts_->light, settings.ambient));
+      renderer.set_probes(parts_->probes);
       watch.lap();
     }
     Film film = draw_view(renderer, views[i], i, moment, settings, s);

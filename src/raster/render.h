@@ -9,6 +9,7 @@
 
 #include "base/diagnostics.h"
 #include "image/film.h"
+#include "raster/image_light.h"
 #include "raster/quantity.h"
 #include "scene/scene.h"
 #include "scene/view.h"
@@ -30,6 +31,7 @@ struct Settings {
   /// How far away surfaces occlude what comes from the environment, over the diagonal of the scene; 0 = they do not.
   float occlusion_radius = 0.0f;
   Background background = Background::environment;
+  Ambient ambient = Ambient::baked;
   /// Shadows that soften with the distance from what casts them: of suns and area lights by their own size, of points
   /// and spots by `light_radius`.
   bool has_soft_shadows = false;
@@ -75,6 +77,10 @@ class Session {
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
+
+  /// Light within a scene, which stands in for light from far away on every surface: that of the nearest probe. For the
+  /// scenes drawn from here on; none: the environment's.
+  void set_probes(std::vector<Probe> probes);
 
   /// Draws `scene` under `environment` from each of `views`, uploading and compiling once, and hands each picture to
   /// `take` with the index of its view. Where there is a `moment`, each frame shows what it says. Throws Error where

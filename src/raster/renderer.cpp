@@ -121,6 +121,34 @@ void Renderer::set_light(const BakedLight& light) {
   if (!light.sheen.empty()) sheen_ = upload_cube(light.sheen);
 }
 
+void Renderer::set_probes(const std::vector<Probe>& probes) {
+  probes_.clear();
+  for (const Probe& probe : probes) {
+    GpuProbe& gpu = probes_.emplace_back();
+    gpu.position = probe.position;
+    gpu.box = probe.box;
+    gpu.levels = static_cast<int>(probe.light.specular.levels.size());
+    gpu.specular = upload_cube(probe.light.specular);
+    gpu.diffuse = upload_cube(cube_of_one_level(probe.light.irradiance));
+    if (!probe.light.sheen.empty()) gpu.sheen = upload_cube(probe.light.sheen);
+  }
+}
+
+/// The light of the probe that is nearest to a draw.
+void Renderer::bind_probe(std::size_t draw, const gl::Program& program) {
+  const vec3 center = gpu_.draws()[draw].center;
+  const auto nearest = std::min_element(probes_.begin(), probes_.end(), [&](const GpuProbe& a, const GpuProbe& b) {
+    return glm::distance(a.position, center) < glm::distance(b.position, center);
+  });
+  glUniform4f(program.uniform("probe_position"), nearest->position.x, nearest->position.y, nearest->position.z,
+              static_cast<float>(nearest->levels));
+  glUniform3fv(program.uniform("probe_low"), 1, &nearest->box.lower.x);
+  glUniform3fv(program.uniform("probe_high"), 1, &nearest->box.upper.x);
+  bind(specular_unit, GL_TEXTURE_CUBE_MAP, nearest->specular);
+  bind(diffuse_unit, GL_TEXTURE_CUBE_MAP, nearest->diffuse);
+  bind(sheen_unit, GL_TEXTURE_CUBE_MAP, nearest->sheen);
+}
+
 void Renderer::set_scene(const Scene& scene) {
   scene_ = &scene;
   gpu_.set_geometry(scene);
@@ -270,7 +298,7 @@ void Renderer::bind_shared(const FrameCamera& camera) {
   block.clip_from_world = camera.clip_from_world;
   block.eye = vec4(camera.eye, camera.is_perspective ? 1.0f : 0.0f);
   block.back = vec4(camera.back, 0.0f);
-  block.light = {static_cast<float>(light_levels_), has_light_ ? 1.0f : 0.0f,
+  block.light = {static_cast<float>(light_levels_), has_light_ || !probes_.empty() ? 1.0f : 0.0f,
                  lights_.has_suns ? kLeastSunRoughness : 0.0f,
                  settings_.specular_antialiasing ? 1.0f / static_cast<float>(settings_.frames) : 0.0f};
   block.target = {static_cast<float>(settings_.width), static_cast<float>(settings_.height),
@@ -438,6 +466,7 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
   const GpuMaterial& material = gpu_.material_of(d);
   const gl::Program& program = programs_.mesh(material.key, pass);
   glUseProgram(program.id());
+  if (pass.has_probes) bind_probe(first, program);
   if (pass.has_areas) glUniform1i(program.uniform("own_area"), area_of_draw_[first]);
   if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.node + 1));
   gpu_.bind_material(material);
@@ -453,7 +482,7 @@ void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKe
     const bool is_blended = material.key.alpha_mode == AlphaMode::blend && pass.quantity == Quantity::light;
     // What may be drawn in any order goes together with its neighbours.
     const bool is_sorted = is_blended || material.is_transmissive() || pass.quantity == Quantity::object_id ||
-                           (pass.has_areas && area_of_draw_[i] >= 0);
+                           (pass.has_areas && area_of_draw_[i] >= 0) || pass.has_probes;
     std::size_t first = i, end = i + 1;
     while (!is_sorted && first > 0 && is_wanted[first - 1] && gpu_.are_alike(first - 1, i)) --first;
     while (!is_sorted && end < is_wanted.size() && is_wanted[end] && gpu_.are_alike(end, i)) ++end;
@@ -512,7 +541,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  const bool has_occlusion = settings_.occlusion_radius > 0.0f && expects_light_;
+  const bool has_occlusion = settings_.occlusion_radius > 0.0f && (expects_light_ || !probes_.empty());
   if (has_occlusion) draw_occlusion(opaque, camera);
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
@@ -528,6 +557,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
     return;
   }
   pass.has_areas = lights_.area_count > 0;
+  pass.has_probes = !probes_.empty();
   // A large light's hard shadow would be a lie.
   pass.has_soft_shadows = lights_.shadow_count > 0 && (settings_.has_soft_shadows || pass.has_areas);
   pass.has_sheen_light = gpu_.has_lobe(shade::kLobeSheen);

@@ -18,6 +18,8 @@ class Renderer {
   /// `scene` and `environment` must outlive it. Until set_light() nothing arrives from far away but suns.
   Renderer(const Scene& scene, const Environment& environment, const Settings& settings, Diagnostics& diagnostics);
   void set_light(const BakedLight& light);
+  /// Instead of what set_light() gave, for draws as near to them as to no other.
+  void set_probes(const std::vector<Probe>& probes);
   /// Another moment of the same scene; it must outlive what is drawn of it. begin() has to follow.
   void set_scene(const Scene& scene);
 
@@ -36,6 +38,14 @@ class Renderer {
   Programs& programs() { return programs_; }
 
  private:
+  /// A probe as the driver has it.
+  struct GpuProbe {
+    vec3 position{0.0f};
+    Box3 box;
+    int levels = 1;
+    gl::Texture specular, diffuse, sheen;
+  };
+
   /// A picture to draw into.
   struct Target {
     gl::Framebuffer framebuffer;
@@ -52,6 +62,7 @@ class Renderer {
   void draw_background(const FrameCamera& camera);
   /// Draws those of `order` with the programs of `pass`.
   void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
+  void bind_probe(std::size_t draw, const gl::Program& program);
   void draw_quantity(Quantity quantity, const FrameCamera& camera);
   void draw_some(std::size_t first, std::size_t count, const PassKey& pass);
   void resolve(GLuint framebuffer);
@@ -62,6 +73,7 @@ class Renderer {
   Diagnostics& diagnostics_;
   Programs programs_;
   GpuScene gpu_;
+  std::vector<GpuProbe> probes_;
   SceneLights lights_;
   std::vector<int> area_of_draw_;  ///< which area light a draw is, -1 none
   bool has_light_ = false;

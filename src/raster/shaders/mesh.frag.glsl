@@ -301,8 +301,28 @@ float antialiased_roughness(float roughness, vec3 n) {
 
 // ----- light from far away
 
+#ifdef HAS_PROBES
+uniform vec4 probe_position;  // w: levels of its cube
+uniform vec3 probe_low;
+uniform vec3 probe_high;
+
+/// Where a probe sees what lies in a direction from here, on the walls of its box. Lagarde & Zanuttini 2012, "Local
+/// Image-based Lighting With Parallax-corrected Cubemap".
+vec3 probe_direction(vec3 direction) {
+  vec3 to_low = (probe_low - v_position) / direction, to_high = (probe_high - v_position) / direction;
+  vec3 far = max(to_low, to_high);
+  float t = min(far.x, min(far.y, far.z));
+  return t > 0.0 ? v_position + direction * t - probe_position.xyz : direction;
+}
+#endif
+
 vec3 prefiltered(vec3 direction, float alpha) {
-  return textureLod(specular_light, direction, image_light_level(alpha, light.x)).rgb;
+  float levels = light.x;
+#ifdef HAS_PROBES
+  direction = probe_direction(direction);
+  levels = probe_position.w;
+#endif
+  return textureLod(specular_light, direction, image_light_level(alpha, levels)).rgb;
 }
 
 vec3 mirrored_light(Point p, vec3 n, float alpha) {
@@ -503,7 +523,13 @@ vec3 scattered_light(Point p, SurfaceShares shares) {
     arriving += areas[i].color.rgb * (kShadePi * area_seen(local, c) * area_shadow(areas[i], v_position, p.vertex_normal));
   }
 #endif
-  return (shares.through + shares.below) * scatter_color.rgb * arriving * (part(16) / kShadePi);
+  // Light leaves a thin body before it has taken on its colour: matched by eye to spheres that the path tracer shows.
+  float thickness = transmission.y * v_scale;
+#ifdef HAS_thickness
+  thickness *= thickness_texel().g;
+#endif
+  vec3 color = mix(scatter_color.rgb, vec3(1.0), exp(-0.25 * extinction.rgb * thickness));
+  return (shares.through + shares.below) * color * arriving * (part(16) / kShadePi);
 }
 #endif
 
