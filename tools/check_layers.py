@@ -23,7 +23,7 @@ ALLOWED = {
     "gl": {"base"},
     "raster": {"gl", "ibl", "scene", "shade", "image", "math", "base"},
     "study": {"ibl", "path", "scene", "shade", "image", "math", "base"},
-    "candela": {"path", "io", "scene", "image", "math", "base"},
+    "candela": {"raster", "path", "io", "scene", "image", "math", "base"},
 }
 
 # Third-party headers by prefix, and the folders that wrap them. Only what is in PUBLIC may stand in a header of src/

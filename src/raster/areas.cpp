@@ -151,7 +151,8 @@ std::vector<Candidate> candidates(const Scene& scene, const GpuScene& gpu) {
 
 }  // namespace
 
-std::vector<int> collect_areas(const Scene& scene, const GpuScene& gpu, SceneLights& lights, Diagnostics& diagnostics) {
+std::vector<int> collect_areas(const Scene& scene, const GpuScene& gpu, LightPoint point, SceneLights& lights,
+                               Diagnostics& diagnostics) {
   std::vector<Candidate> all = candidates(scene, gpu);
   std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.power > b.power; });
   const std::size_t left_out = all.size() > kMostAreas ? all.size() - kMostAreas : 0;
@@ -166,9 +167,10 @@ std::vector<int> collect_areas(const Scene& scene, const GpuScene& gpu, SceneLig
     area_of_draw[c.draw] = lights.area_count;
     const auto& k = c.entry.corners;
     if (c.entry.shape.x > 0.5f) {
-      add_point_shadows(lights, vec3(k[0]), gpu.bounds(), c.entry.shape);
+      add_point_shadows(lights, vec3(k[0]) + k[0].w * point_of_ball(point), gpu.bounds(), c.entry.shape);
     } else {
-      const vec3 center = 0.25f * vec3(k[0] + k[1] + k[2] + k[3]);
+      const vec3 low = glm::mix(vec3(k[0]), vec3(k[1]), point.x), high = glm::mix(vec3(k[3]), vec3(k[2]), point.x);
+      const vec3 center = glm::mix(low, high, point.y);
       const vec3 normal = glm::normalize(glm::cross(vec3(k[1] - k[0]), vec3(k[2] - k[0])));
       add_panel_shadows(lights, center, normal, c.entry.shape.y > 0.5f, gpu.bounds(), c.entry.shape);
     }

@@ -14,6 +14,8 @@ namespace candela::raster {
 ///
 /// A flat primitive is a rectangle of its area (a single triangle itself); any other a square that always faces what it
 /// lights, of a quarter of its surface: what a convex body shows from all around in the mean (Cauchy).
-std::vector<int> collect_areas(const Scene& scene, const GpuScene& gpu, SceneLights& lights, Diagnostics& diagnostics);
+/// Their shadows are cast from `point` of each.
+std::vector<int> collect_areas(const Scene& scene, const GpuScene& gpu, LightPoint point, SceneLights& lights,
+                               Diagnostics& diagnostics);
 
 }  // namespace candela::raster

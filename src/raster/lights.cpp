@@ -6,6 +6,7 @@
 
 #include "ibl/source.h"
 #include "scene/view.h"
+#include "shade/surface_base.glsl.h"
 
 namespace candela::raster {
 
@@ -149,6 +150,14 @@ void add_six(SceneLights& lights, vec3 position, const Box3& bounds) {
   }
 }
 
+/// A direction within a disc about `axis`.
+vec3 point_of_disc(vec3 axis, float angular_radius, LightPoint point) {
+  const float r = point == LightPoint(0.5f) ? 0.0f : std::tan(angular_radius) * std::sqrt(point.x);
+  const vec3 x = shade::shade_tangent(axis);
+  const float phi = 2.0f * kPi * point.y;
+  return glm::normalize(axis + r * (std::cos(phi) * x + std::sin(phi) * glm::cross(axis, x)));
+}
+
 int views_of(const Entry& e) {
   switch (type_of(e)) {
     case LightType::point:
@@ -164,7 +173,7 @@ int views_of(const Entry& e) {
 }  // namespace
 
 SceneLights collect_lights(const Scene& scene, const Environment& environment, const Box3& bounds,
-                           const FrameCamera& camera, Diagnostics& diagnostics) {
+                           const FrameCamera& camera, LightPoint point, float radius, Diagnostics& diagnostics) {
   std::vector<Entry> entries;
   for (const Node& node : scene.nodes) {
     if (node.light >= 0) entries.push_back(punctual(scene, node, bounds));
@@ -198,7 +207,10 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
     } else if (lights.shadow_count + views > kMostShadows) {
       is_short = true;
     } else {
-      const vec3 position(e.light.position), direction(e.light.direction);
+      const bool is_directional = type_of(e) == LightType::directional;
+      const vec3 position = vec3(e.light.position) + (is_directional ? vec3(0.0f) : radius * point_of_ball(point));
+      const vec3 direction = is_directional && e.is_sun ? point_of_disc(vec3(e.light.direction), e.light.cone.x, point)
+                                                        : vec3(e.light.direction);
       e.light.cone.z = static_cast<float>(lights.shadow_count);
       e.light.cone.w = static_cast<float>(views);
       switch (type_of(e)) {
@@ -218,6 +230,19 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
   }
   if (is_short) diagnostics.warn("so many lights that the weakest cast no shadow", scene.name);
   return lights;
+}
+
+vec3 point_of_ball(LightPoint point) {
+  if (point == LightPoint(0.5f)) return vec3(0.0f);
+  // A density of 1 / √(1 - r²) per volume; its share within r is (asin r - r √(1 - r²)) / (π / 2).
+  float low = 0.0f, high = 1.0f;
+  for (int i = 0; i < 24; ++i) {
+    const float r = 0.5f * (low + high);
+    const float within = (std::asin(r) - r * std::sqrt(1.0f - r * r)) * (2.0f / kPi);
+    (within < point.x ? low : high) = r;
+  }
+  const float z = 2.0f * point.y - 1.0f, phi = 2.0f * kPi * point.z, s = std::sqrt(std::max(1.0f - z * z, 0.0f));
+  return low * vec3(s * std::cos(phi), s * std::sin(phi), z);
 }
 
 void add_point_shadows(SceneLights& lights, vec3 position, const Box3& bounds, vec4& shape) {

@@ -43,6 +43,17 @@ vec4 lattice_point(int i) {
   return point;
 }
 
+/// A point of every light for a frame of several: the same lattice of three dimensions, the root of x⁴ = x + 1.
+LightPoint light_point(int i, int frames) {
+  if (frames == 1) return LightPoint(0.5f);
+  constexpr std::array<double, 3> kSteps = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+  LightPoint point;
+  for (int k = 0; k < 3; ++k) {
+    point[k] = static_cast<float>(std::fmod(0.25 + kSteps[static_cast<std::size_t>(k)] * (i + 1), 1.0));
+  }
+  return point;
+}
+
 bool uses_sheen(const Scene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(),
                      [](const Material& m) { return max_component(m.sheen_color) > 0.0f && !m.unlit; });
@@ -148,7 +159,9 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
       const Moment now = moment(picture_index, frame);
       view = now.view;
       renderer.set_scene(*now.scene);
-      renderer.begin(view);
+      renderer.begin(view, light_point(frame, settings.frames));
+    } else if (is_still && renderer.has_extended_lights()) {
+      renderer.begin(view, light_point(frame, settings.frames));
     }
     renderer.draw(view, jitter, lens);
     const Image picture = renderer.read();

@@ -232,10 +232,21 @@ void Renderer::make_targets() {
   gl::check("making the picture");
 }
 
-void Renderer::begin(const View& view) {
+bool Renderer::has_extended_lights() const {
+  return lights_.area_count > 0 ||
+         (settings_.has_soft_shadows && (lights_.has_suns || (settings_.light_radius > 0.0f && lights_.count > 0)));
+}
+
+void Renderer::begin(const View& view, LightPoint point) {
   const FrameCamera camera = frame_camera(view, settings_.width, settings_.height, gpu_.bounds());
-  lights_ = collect_lights(*scene_, environment_, gpu_.bounds(), camera, diagnostics_);
-  area_of_draw_ = collect_areas(*scene_, gpu_, lights_, diagnostics_);
+  // What there is to say about lights is said the first time.
+  Diagnostics& diagnostics = is_begun_ ? told_ : diagnostics_;
+  is_begun_ = true;
+  is_moved_light_ = point != LightPoint(0.5f);
+  const float radius = settings_.has_soft_shadows ? settings_.light_radius : 0.0f;
+  lights_ = collect_lights(*scene_, environment_, gpu_.bounds(), camera,
+                           settings_.has_soft_shadows ? point : LightPoint(0.5f), radius, diagnostics);
+  area_of_draw_ = collect_areas(*scene_, gpu_, point, lights_, diagnostics);
   glBindBuffer(GL_UNIFORM_BUFFER, lights_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof lights_.block, &lights_.block, GL_DYNAMIC_DRAW);
   draw_shadows();
@@ -303,7 +314,9 @@ void Renderer::bind_shared(const FrameCamera& camera) {
                  settings_.specular_antialiasing ? 1.0f / static_cast<float>(settings_.frames) : 0.0f};
   block.target = {static_cast<float>(settings_.width), static_cast<float>(settings_.height),
                   static_cast<float>(picture_levels_), 0.0f};
-  block.soft = {settings_.light_radius, static_cast<float>(frame_) * 0.618034f, 0.0f, 0.0f};
+  // Of many frames each stands for a part of the light.
+  const float share = is_moved_light_ ? 1.0f / std::sqrt(static_cast<float>(settings_.frames)) : 1.0f;
+  block.soft = {settings_.light_radius, static_cast<float>(frame_) * 0.618034f, share, 0.0f};
   block.counts = {lights_.count, parts_of(settings_.quantity),
                   settings_.quantity == Quantity::one_light ? settings_.shown_light : -1, lights_.area_count};
   glBindBuffer(GL_UNIFORM_BUFFER, frame_block_);

@@ -25,8 +25,10 @@ class Renderer {
 
   /// Lets the driver compile what the frames of a view need, without drawing any pixel that counts.
   void warm_up(const View& view);
-  /// Places lights and draws their shadows for a view; once per view, before its frames.
-  void begin(const View& view);
+  /// Places lights and draws their shadows for a view, before its frames; again before each where lights have an extent
+  /// and frames are many, each time with another `point` of them.
+  void begin(const View& view, LightPoint point = LightPoint(0.5f));
+  bool has_extended_lights() const;
   /// Draws one frame; see frame_camera for `jitter` and `aperture`.
   void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f));
   /// The last frame: linear, 4 channels, premultiplied, row 0 at the top.
@@ -75,7 +77,10 @@ class Renderer {
   GpuScene gpu_;
   std::vector<GpuProbe> probes_;
   SceneLights lights_;
+  bool is_moved_light_ = false;    ///< shadows are seen from a point of each light that was not the middle
   std::vector<int> area_of_draw_;  ///< which area light a draw is, -1 none
+  bool is_begun_ = false;
+  Diagnostics told_;  ///< warnings that were given before
   bool has_light_ = false;
   bool expects_light_ = false;  ///< the environment is more than suns
   int frame_ = 0;

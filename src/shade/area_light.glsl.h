@@ -22,10 +22,9 @@ SHADE_FN mat3 area_lobe(float mu, float roughness) {
 SHADE_FN float area_edge(vec3 a, vec3 b) {
   vec3 u = a / max(length(a), 1e-20f);
   vec3 v = b / max(length(b), 1e-20f);
-  float c = clamp(dot(u, v), -1.0f, 1.0f);
-  // angle / sin(angle); its limit where both point the same way.
-  float ratio = c > 0.999f ? 1.0f + (1.0f - c) * (1.0f / 3.0f) : acos(c) / sqrt(max(1.0f - c * c, 1e-8f));
-  return (u.x * v.y - u.y * v.x) * ratio;
+  vec3 n = cross(u, v);
+  float sine = length(n);
+  return sine < 1e-7f ? 0.0f : n.z / sine * atan(sine, dot(u, v));
 }
 
 /// An edge as far as it is above z = 0; where it crosses, the crossing becomes `down` or `up`.

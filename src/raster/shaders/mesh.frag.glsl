@@ -145,11 +145,8 @@ Point make_point(bool is_back) {
   vec3 ns = n2 > 1e-12 ? v_normal * inversesqrt(n2) : ng;
   if (dot(ns, ng) < 0.0) ns = -ns;
   p.vertex_normal = ns;
-#ifdef HAS_height
-  find_relief(ns, p.wo);
-#ifndef HAS_normal
+#if defined(HAS_height) && !defined(HAS_normal)
   ns = relief_normal(ns);
-#endif
 #endif
   p.coat_normal = ns;
   p.tangent = vec3(0.0);
@@ -692,7 +689,9 @@ vec4 quantity(float opacity) {
 void main() {
   float opacity = 1.0;
 #ifdef HAS_height
-  surface_uv = v_uv;
+  vec3 wo = eye.w > 0.5 ? normalize(eye.xyz - v_position) : back.xyz;
+  vec3 n = normalize(v_normal);
+  find_relief(dot(n, wo) < 0.0 ? -n : n, wo);
 #endif
 #if defined(HAS_SCATTERING) && !defined(SHOW)
   o_scattered = vec4(0.0);
