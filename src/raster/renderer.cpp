@@ -653,6 +653,30 @@ Image Renderer::read() {
   return read_pixels(settings_.width, settings_.height);
 }
 
+void Renderer::present(ivec2 size, float exposure, ToneCurve tone_curve) {
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, size.x, size.y);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  const gl::Program& program = programs_.fullscreen("present.frag.glsl");
+  glUseProgram(program.id());
+  bind(first_slot_unit, GL_TEXTURE_2D, resolved_);
+  glUniform1i(program.uniform("picture"), first_slot_unit);
+  glUniform1f(program.uniform("exposure"), exposure);
+  glUniform1i(program.uniform("tone_curve"), static_cast<GLint>(tone_curve));
+  glBindVertexArray(nothing_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  gl::check("showing the picture");
+}
+
+void Renderer::resize(int width, int height) {
+  settings_.width = width;
+  settings_.height = height;
+  make_targets();
+  make_occlusion_targets();
+}
+
 Image Renderer::read_layer(const View& view, Layer layer) {
   const FrameCamera camera = frame_camera(view, settings_.width, settings_.height, gpu_.bounds());
   bind_shared(camera);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "image/develop.h"
 #include "raster/camera.h"
 #include "raster/gpu_scene.h"
 #include "raster/image_light.h"
@@ -33,6 +34,10 @@ class Renderer {
   void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f));
   /// The last frame: linear, 4 channels, premultiplied, row 0 at the top.
   Image read();
+  /// Shows the last frame in the framebuffer of a window of `size` pixels.
+  void present(ivec2 size, float exposure, ToneCurve tone_curve);
+  /// Frames of another size from here on.
+  void resize(int width, int height);
   /// One quantity of the first surface at each pixel's centre; 0 where there is none (depth: infinity).
   Image read_layer(const View& view, Layer layer);
 
