@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+
+#include "candela/candela.h"
+#include "image/flip.h"
+#include "image/image_file.h"
+#include "raster/render.h"
+#include "shade/color.glsl.h"
+#include "unit/raster/gl_fixture.h"
+
+// Pictures that somebody looked at, drawn again. After a change that is meant to show,
+//
+//     CANDELA_GOLDEN_UPDATE=tests/golden build/dev/tests/golden/candela_golden_tests
+//
+// writes them anew; look at each before it is committed.
+
+namespace candela {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Mean of FLIP below which a picture is the same. Mesa compiles shaders for the processor it runs on: between vectors
+/// of 128 and of 256 bits the pictures here differ by up to 0.00003, and another version of it may round a texel at an
+/// edge otherwise. A light that is 5 % brighter is above 0.01.
+constexpr double kSame = 0.003;
+
+struct Case {
+  const char* name;
+  const char* scene;
+  const char* environment;
+  raster::Settings settings = {};
+};
+
+raster::Settings with(const std::function<void(raster::Settings&)>& change) {
+  raster::Settings settings;
+  change(settings);
+  return settings;
+}
+
+std::vector<Case> cases() {
+  return {{"materials", "demo:materials", "studio"},
+          {"materials-sky", "demo:materials", "sky", with([](auto& s) { s.has_soft_shadows = true; })},
+          {"lobes", "demo:row-lobes", "studio"},
+          {"glass", "demo:row-transmission-roughness", "studio"},
+          {"subsurface", "demo:row-subsurface", "sky"},
+          {"panel", "demo:cornell", "none"},
+          {"occlusion", "demo:materials", "studio", with([](auto& s) { s.occlusion_radius = 0.05f; })},
+          {"ue4", "demo:spheres", "studio", with([](auto& s) { s.shading = shade::shading_model_ue4(); })},
+          {"normals", "demo:materials", "studio", with([](auto& s) { s.quantity = raster::Quantity::normal; })}};
+}
+
+class golden_sensitivity : public test::NeedsGl {};  // NOLINT(readability-identifier-naming): as its suite
+
+class golden : public test::NeedsGl,
+               public testing::WithParamInterface<Case> {};  // NOLINT(readability-identifier-naming)
+
+/// What a display shows, linear.
+Image shown(const DisplayImage& display) {
+  Image image(display.width, display.height, 3);
+  for (std::size_t i = 0; i < display.rgba.size() / 4; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      image.pixels[3 * i + c] = shade::srgb_decode_channel(static_cast<float>(display.rgba[4 * i + c]) / 255.0f);
+    }
+  }
+  return image;
+}
+
+DisplayImage draw(const Case& c, float brightness = 1.0f) {
+  constexpr ivec2 kSize{192, 128};
+  const Scene scene = load(c.scene);
+  const Environment environment = make_environment(c.environment);
+  raster::Settings settings = c.settings;
+  settings.width = kSize.x, settings.height = kSize.y;
+  settings.frames = 4;
+  Diagnostics diagnostics;
+  const Film film = raster::render(scene, environment, default_view(scene, 1.5f), settings, diagnostics);
+  DevelopSettings develop_settings = default_develop(scene, environment);
+  develop_settings.dither = false;
+  develop_settings.background = vec3(0.0f);
+  develop_settings.exposure = brightness * develop_settings.exposure.value_or(metered_exposure(film));
+  return develop(film, develop_settings);
+}
+
+TEST_P(golden, picture_is_as_it_was) {
+  const DisplayImage found = draw(GetParam());
+  if (const char* folder = std::getenv("CANDELA_GOLDEN_UPDATE")) {
+    write_png(fs::path(folder) / (std::string(GetParam().name) + ".png"), found);
+    GTEST_SKIP() << "written anew";
+  }
+  const Image expected = read_image(fs::path(CANDELA_GOLDEN) / (std::string(GetParam().name) + ".png"));
+  const double difference = flip_mean(expected, shown(found));
+  RecordProperty("flip", std::to_string(difference));
+  EXPECT_LT(difference, kSame);
+}
+
+INSTANTIATE_TEST_SUITE_P(raster, golden, testing::ValuesIn(cases()), [](const auto& test) {
+  std::string name = test.param.name;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+TEST_F(golden_sensitivity, five_percent_more_light_is_seen) {
+  if (std::getenv("CANDELA_GOLDEN_UPDATE") != nullptr) GTEST_SKIP();
+  const Case c = cases().front();
+  EXPECT_GT(flip_mean(shown(draw(c)), shown(draw(c, 1.05f))), 2.0 * kSame);
+}
+
+}  // namespace
+}  // namespace candela
