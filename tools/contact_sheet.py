@@ -2,7 +2,9 @@
 """Renders every glTF below a folder small and puts the pictures on one sheet, so that a person can look at all of them.
 
     tools/contact_sheet.py CANDELA MODELS_FOLDER -o sheet.png [--spp 64] [--size 240] [--columns 8] [--only NAME,NAME]
-                           [-- further options of `candela render`]
+                           [--both] [-- further options of `candela render`]
+
+With --both each model is there twice, side by side: by the path tracer, and by the rasterizer in four frames.
 
 Prints each model's warnings and failures. Needs ImageMagick's `montage` and the DejaVu fonts for the sheet.
 """
@@ -39,6 +41,7 @@ def main():
     parser.add_argument("--size", type=int, default=240)
     parser.add_argument("--columns", type=int, default=8)
     parser.add_argument("--only", default="")
+    parser.add_argument("--both", action="store_true")
     options = parser.parse_args(arguments)
 
     only = set(filter(None, options.only.split(",")))
@@ -49,18 +52,25 @@ def main():
             scene = scene_file(model)
             if scene is None or (only and model.name not in only):
                 continue
-            picture = pathlib.Path(folder) / f"{len(tiles) // 3:03}.png"
             size = f"{options.size}x{options.size}"
-            command = [options.candela, "render", str(scene), "-o", str(picture), "--size", size, "--spp",
-                       str(options.spp), *further]
-            run = subprocess.run(command, capture_output=True, text=True)
-            for line in run.stderr.splitlines():
-                if "warning:" in line or line.startswith("candela:"):
-                    print(f"{model.name}: {line}")
-            if run.returncode != 0:
+            engines = [("path", options.spp)] + ([("raster", 4)] if options.both else [])
+            shown = []
+            for engine, samples in engines:
+                picture = pathlib.Path(folder) / f"{len(tiles) // 3:03}-{engine}.png"
+                command = [options.candela, "render", str(scene), "-o", str(picture), "--size", size, "--engine", engine,
+                           "--spp", str(samples), *further]
+                run = subprocess.run(command, capture_output=True, text=True)
+                for line in run.stderr.splitlines():
+                    if "warning:" in line or line.startswith("candela:"):
+                        print(f"{model.name}, {engine}: {line}")
+                if run.returncode == 0:
+                    label = f"{model.name}, {engine}" if options.both else model.name
+                    shown += ["-label", label, str(picture)]
+            # Pairs stay pairs.
+            if len(shown) == 3 * len(engines):
+                tiles += shown
+            else:
                 failed += 1
-                continue
-            tiles += ["-label", model.name, str(picture)]
         columns = min(options.columns, max(len(tiles) // 3, 1))
         subprocess.run(["montage", *tiles, "-tile", f"{columns}x", "-geometry", "+4+4", "-pointsize", "13",
                         "-font", "DejaVu-Sans", "-background", "#202020", "-fill", "white", str(options.output)], check=True)
