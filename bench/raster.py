@@ -2,7 +2,8 @@
 """How fast the real-time renderer is: bench/raster.py CANDELA SCENE ENV [WxH]
 
 Prints the wall time of the whole process with nothing cached (neither the environment's bake nor the driver's shaders) and with both
-cached, the least of five runs each, and milliseconds per frame, reading back included, from the difference of 17 frames and 1.
+cached, the least of five runs each, and milliseconds per frame, reading back included, from the difference of 17 frames and 1; beside it
+those of the barest shader with light from an image (bench_bare_light, where it lies beside CANDELA). bench/three/run.mjs has three.js.
 """
 
 import json
@@ -32,6 +33,10 @@ def main():
         _, stats = run(folder, *common, cache=cache)
         cached = min(run(folder, *common, cache=cache)[0] for _ in range(5))
         print(f"{stats['driver']}\nfirst {first:.2f} s, cached {cached:.2f} s")
+        bare = pathlib.Path(program).parent / "bench_bare_light"
+        if bare.exists():
+            least = min(float(subprocess.run([bare, common[-1]], check=True, capture_output=True, text=True).stdout) for _ in range(3))
+            print(f"bare light, whole picture: {least:.0f} ms per frame")
         for msaa in (1, 4):
             for ao in ("0", "0.05"):
                 options = [*common, "--msaa", msaa, "--ao", ao]

@@ -400,7 +400,8 @@ Film trace_moving(const RenderOptions& o, Job& job, std::size_t index, const pat
   settings.samples = (settings.samples + count - 1) / count;
   if (settings.time_limit_s) *settings.time_limit_s /= count;
   if (settings.noise) *settings.noise *= std::sqrt(static_cast<float>(count));
-  Film mean;
+  Film sum;
+  int moments = 0;
   double samples_per_pixel = 0.0;
   for (int i = 0; i < count && !statistics.interrupted; ++i) {
     path::Callbacks of_moment = callbacks;
@@ -413,18 +414,16 @@ Film trace_moving(const RenderOptions& o, Job& job, std::size_t index, const pat
     path::Statistics one;
     const Film film = render(scene, job.environment, view_at(o, job, scene, index), settings, &one, of_moment);
     if (one.samples == 0) break;
-    accumulate(film, 1.0f, mean);
+    accumulate(film, 1.0f, sum);
+    ++moments;
     samples_per_pixel += one.mean_samples_per_pixel;
     add(one, statistics);
     ++settings.seed;
-    // Interrupted, the mean is that of the moments so far.
-    if (statistics.interrupted || i + 1 == count) {
-      Film sum = std::move(mean);
-      mean = {};
-      accumulate(sum, 1.0f / static_cast<float>(i + 1), mean);
-    }
   }
   statistics.mean_samples_per_pixel = samples_per_pixel;
+  // Interrupted, it is the mean of the moments so far.
+  Film mean;
+  if (moments > 0) accumulate(sum, 1.0f / static_cast<float>(moments), mean);
   return mean;
 }
 

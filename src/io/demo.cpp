@@ -1,5 +1,6 @@
 #include "io/demo.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
@@ -202,12 +203,52 @@ Scene make_cornell() {
   return builder.finish("none", 2.4f);
 }
 
+Scene make_relief() {
+  constexpr int kSize = 512;
+  const ivec2 stones(7, 7);
+  constexpr std::uint32_t kSeed = 11;
+  // Cobbles with worn tops between joints of sand.
+  const auto height = [stones](vec2 uv) {
+    const vec2 p = uv * vec2(stones);
+    const Cells cells = tiling_cells(p, stones, kSeed);
+    const float edge = std::clamp((cells.second - cells.nearest - 0.06f) / 0.3f, 0.0f, 1.0f);
+    const float dome = 1.0f - (1.0f - edge) * (1.0f - edge);
+    const float rough = 0.06f * tiling_fractal(uv * 32.0f, ivec2(32), 4, 0.6f, kSeed + 1);
+    return edge > 0.0f ? 0.25f + 0.65f * dome + rough : 0.2f + 0.5f * rough;
+  };
+  const auto color = [height, stones](vec2 uv) {
+    const std::uint32_t cell = tiling_cells(uv * vec2(stones), stones, kSeed).cell;
+    const float shade = 0.75f + 0.25f * static_cast<float>(cell % 97u) / 96.0f;
+    const float stone = std::clamp((height(uv) - 0.22f) / 0.1f, 0.0f, 1.0f);
+    return glm::mix(srgb(0x8a7a5c), shade * srgb(cell % 3u == 0 ? 0x8d8a86 : 0x77726d), stone);
+  };
+  SceneBuilder builder("relief");
+  Material paving;
+  paving.name = "cobbles";
+  paving.metallic = 0.0f;
+  paving.roughness = 0.75f;
+  paving.base_color_texture = builder.texture("cobbles", color_texture(kSize, color), vec2(2.0f));
+  paving.height_texture = builder.texture("cobbles' height", height_texture(kSize, height), vec2(2.0f));
+  paving.height_scale = 0.05f;
+  const int ground =
+      builder.mesh("ground", face({-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}), builder.material(paving));
+  builder.node("ground", ground);
+  Material ball;
+  ball.name = "steel";
+  ball.base_color = vec3(0.56f, 0.57f, 0.58f);
+  ball.roughness = 0.15f;
+  builder.node("ball", builder.mesh("ball", sphere(0.22f), builder.material(ball)), translation({-0.25f, 0.2f, -0.1f}));
+  builder.camera({1.1f, 0.75f, 1.5f}, {0.0f, 0.02f, 0.0f}, 40.0f, 16.0f / 9.0f);
+  return builder.finish("sky:22", 0.00008f);
+}
+
 const std::vector<DemoInfo>& demos() {
   static const std::vector<DemoInfo> list = [] {
     std::vector<DemoInfo> all{
         {"materials", "a still life of shader balls: metals, ceramics, wood, textures, a lamp, depth of field"},
         {"spheres", "roughness from 0 to 1 by material: ivory, cobalt, gold, iron"},
         {"cornell", "the Cornell box, lit by its ceiling lamp alone"},
+        {"relief", "cobbles from a height map and a steel ball in the evening sun"},
         {"furnace", "white spheres in white light: a renderer that keeps energy shows nothing"}};
     for (DemoInfo& row : row_demos()) all.push_back(std::move(row));
     return all;
@@ -219,6 +260,7 @@ Scene make_demo(const std::string& name) {
   if (name == "spheres") return make_spheres();
   if (name == "materials") return make_materials();
   if (name == "cornell") return make_cornell();
+  if (name == "relief") return make_relief();
   if (name == "furnace") return make_furnace();
   if (std::optional<Scene> row = make_row(name)) return *std::move(row);
   std::string known;

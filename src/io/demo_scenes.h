@@ -16,6 +16,7 @@ Scene make_spheres();
 Scene make_materials();
 Scene make_cornell();
 Scene make_furnace();
+Scene make_relief();
 /// A row of balls by its name, "row-…"; none = no such row.
 std::optional<Scene> make_row(const std::string& name);
 std::vector<DemoInfo> row_demos();

@@ -159,6 +159,14 @@ TexturePointer roughness_texture(int size, const std::function<vec2(vec2 uv)>& r
   });
 }
 
+TexturePointer height_texture(int size, const std::function<float(vec2 uv)>& height) {
+  return make_texture(size, 16, [&](vec2 uv, std::uint8_t* texel) {
+    const auto value = static_cast<std::uint16_t>(std::clamp(height(uv), 0.0f, 1.0f) * 65535.0f + 0.5f);
+    const std::uint16_t values[4] = {value, value, value, 65535};
+    std::memcpy(texel, values, sizeof values);
+  });
+}
+
 TexturePointer normal_texture(int size, const std::function<float(vec2 uv)>& height) {
   const auto count = static_cast<std::size_t>(size);
   std::vector<float> heights(count * count);

@@ -33,6 +33,8 @@ TexturePointer color_texture(int size, const std::function<vec3(vec2 uv)>& color
 TexturePointer cutout_texture(int size, const std::function<vec4(vec2 uv)>& color);
 /// 8 bits for the metallic-roughness slot: G roughness, B metallic.
 TexturePointer roughness_texture(int size, const std::function<vec2(vec2 uv)>& roughness_metallic);
+/// 16 bits grey for the height slot, 0 black to 1 white.
+TexturePointer height_texture(int size, const std::function<float(vec2 uv)>& height);
 /// 16 bits tangent-space normals of a height field; `height` is in units of the texture's width.
 TexturePointer normal_texture(int size, const std::function<float(vec2 uv)>& height);
 

@@ -1,5 +1,4 @@
 #ifdef ALPHA_MASK
-#undef HAS_height
 #include "material.glsl"
 
 in float v_alpha;
