@@ -156,6 +156,30 @@ auto texture_slots(M& m) {
                     &m.specular_glossiness_texture};
 }
 
+/// What glTF calls the slots that texture_slots gives, in the same order.
+inline constexpr auto kTextureSlotNames = std::to_array<std::string_view>({
+    "baseColorTexture",
+    "metallicRoughnessTexture",
+    "normalTexture",
+    "occlusionTexture",
+    "emissiveTexture",
+    "specularTexture",
+    "specularColorTexture",
+    "clearcoatTexture",
+    "clearcoatRoughnessTexture",
+    "clearcoatNormalTexture",
+    "sheenColorTexture",
+    "sheenRoughnessTexture",
+    "anisotropyTexture",
+    "iridescenceTexture",
+    "iridescenceThicknessTexture",
+    "transmissionTexture",
+    "thicknessTexture",
+    "diffuseTransmissionTexture",
+    "diffuseTransmissionColorTexture",
+    "specularGlossinessTexture",
+});
+
 /// Triangles with one material. All vertex arrays have the same length or, where optional, are empty.
 struct Primitive {
   std::vector<vec3> positions;

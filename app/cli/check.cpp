@@ -1,0 +1,297 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/diagnostics.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "candela/candela.h"
+#include "cli/output.h"
+#include "cli/progress.h"
+#include "cli/values.h"
+#include "cli/verbs.h"
+#include "io/gltf.h"
+#include "io/gltf_survey.h"
+#include "study/check.h"
+
+namespace candela::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using study::Finding;
+using study::Severity;
+
+/// What was found in one file.
+struct Verdict {
+  std::string file;
+  std::optional<std::string> unreadable;  ///< why it cannot be judged
+  std::vector<Finding> findings;
+  // By finding, empty where it is about no such thing.
+  std::vector<std::string> materials, textures;
+  std::size_t material_count = 0;
+  std::size_t triangle_count = 0;
+
+  std::size_t count(Severity severity) const {
+    return static_cast<std::size_t>(
+        std::count_if(findings.begin(), findings.end(), [severity](const Finding& f) { return f.severity == severity; }));
+  }
+};
+
+std::size_t triangles_of(const Scene& scene) {
+  std::size_t count = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const Primitive& primitive : mesh.primitives) count += primitive.triangles.size();
+  }
+  return count;
+}
+
+void finish(const Scene& scene, const FileSurvey* survey, Verdict& verdict) {
+  for (const Finding& f : verdict.findings) {
+    verdict.materials.push_back(f.material < 0 ? "" : study::material_label(scene, f.material));
+    verdict.textures.push_back(f.texture < 0 ? "" : study::texture_label(scene, f.texture, survey));
+  }
+  verdict.material_count = scene.materials.size();
+  verdict.triangle_count = triangles_of(scene);
+}
+
+/// What else can be said of a file that does not load: which of its images are to blame.
+void look_for_causes(const std::string& name, Verdict& verdict) {
+  try {
+    verdict.findings =
+        study::check_images(io::survey_gltf(name, {.read_geometry = false, .decode_images = true}));
+  } catch (const Error&) {
+    // The file itself is damaged: the loader has said how.
+  }
+  verdict.materials.resize(verdict.findings.size());
+  verdict.textures.resize(verdict.findings.size());
+}
+
+Verdict judge_file(const std::string& name) {
+  Verdict verdict;
+  verdict.file = name;
+  try {
+    Diagnostics diagnostics;
+    io::FileInfo info;
+    const Scene scene = io::load_gltf(name, diagnostics, {.refuse_unknown_required = false}, &info);
+    const FileSurvey survey = io::survey_gltf(name, {});
+    verdict.findings = study::check_asset({.scene = scene,
+                                           .survey = &survey,
+                                           .extensions_used = info.extensions_used,
+                                           .extensions_ignored = info.extensions_ignored,
+                                           .extensions_missing = info.extensions_missing,
+                                           .warnings = diagnostics.warnings()});
+    finish(scene, &survey, verdict);
+  } catch (const Error& error) {
+    verdict.unreadable = error.what();
+    look_for_causes(name, verdict);
+  }
+  return verdict;
+}
+
+Verdict judge(const std::string& name) {
+  if (!name.starts_with("demo:")) return judge_file(name);
+  Verdict verdict;
+  verdict.file = name;
+  const Scene scene = load(name);
+  verdict.findings = study::check_asset({.scene = scene});
+  finish(scene, nullptr, verdict);
+  return verdict;
+}
+
+/// The scenes below a folder, in the order of their names.
+std::vector<std::string> scenes_below(const fs::path& folder) {
+  std::vector<std::string> result;
+  std::error_code code;
+  fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, code);
+  for (; !code && at != fs::recursive_directory_iterator(); at.increment(code)) {
+    std::error_code ignored;
+    const fs::path& path = at->path();
+    const bool is_scene = has_extension(path, ".gltf") || has_extension(path, ".glb");
+    if (is_scene && at->is_regular_file(ignored)) result.push_back(path.string());
+  }
+  if (code) throw Error("cannot list the folder: " + code.message(), folder.string());
+  if (result.empty()) throw Error("there is no .gltf or .glb in this folder", folder.string());
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+std::vector<std::string> scenes_of(const std::vector<std::string>& names) {
+  std::vector<std::string> result;
+  for (const std::string& name : names) {
+    if (name.empty()) throw UsageError("SCENE: the name is empty");
+    std::error_code ignored;
+    if (fs::is_directory(name, ignored)) {
+      const std::vector<std::string> below = scenes_below(name);
+      result.insert(result.end(), below.begin(), below.end());
+    } else {
+      result.push_back(name);
+    }
+  }
+  return result;
+}
+
+struct Totals {
+  std::size_t files = 0, clean = 0, unreadable = 0, errors = 0, warnings = 0, notes = 0;
+
+  void add(const Verdict& v) {
+    ++files;
+    if (v.unreadable) ++unreadable;
+    if (!v.unreadable && v.findings.empty()) ++clean;
+    errors += v.count(Severity::error);
+    warnings += v.count(Severity::warning);
+    notes += v.count(Severity::note);
+  }
+};
+
+std::string plural(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::string counts_text(std::size_t errors, std::size_t warnings, std::size_t notes) {
+  return plural(errors, "error") + ", " + plural(warnings, "warning") + ", " + plural(notes, "note");
+}
+
+std::string percent_text(double share) {
+  return share > 0.0 && share < 0.001 ? "less than 0.1 %" : fmt::format("{:.1f} %", 100.0 * share);
+}
+
+std::string finding_text(const Verdict& verdict, std::size_t index) {
+  const Finding& f = verdict.findings[index];
+  std::string about;
+  const auto add = [&about](const std::string& text) {
+    if (!text.empty()) about += (about.empty() ? "" : ", ") + text;
+  };
+  add(verdict.materials[index]);
+  add(verdict.textures[index]);
+  add(f.subject);
+  if (f.share) add(fmt::format("{} of its {}", percent_text(*f.share), f.share_of));
+  std::string text = fmt::format("  {:<8} {:<22} ", severity_name(f.severity), f.code);
+  if (!about.empty()) text += about + ": ";
+  text += f.message;
+  if (!f.fix.empty()) text += ". Fix: " + f.fix;
+  return one_line(text) + "\n";
+}
+
+std::string verdict_text(const Verdict& v) {
+  std::string text = one_line(v.file) + ": ";
+  if (v.unreadable) {
+    text += "cannot be read\n";
+    // Where images are to blame, their findings say it.
+    if (v.findings.empty()) text += one_line(fmt::format("  {:<8} {:<22} {}", "error", "unreadable", *v.unreadable)) + "\n";
+  } else if (v.findings.empty()) {
+    return text + fmt::format("clean ({}, {})\n", plural(v.material_count, "material"), plural(v.triangle_count, "triangle"));
+  } else {
+    text += counts_text(v.count(Severity::error), v.count(Severity::warning), v.count(Severity::note)) + "\n";
+  }
+  for (std::size_t i = 0; i < v.findings.size(); ++i) text += finding_text(v, i);
+  return text;
+}
+
+Json name_or_null(const std::string& label) { return label.empty() ? Json(nullptr) : Json(label); }
+
+Json verdict_json(const Verdict& v) {
+  Json findings = Json::array();
+  for (std::size_t i = 0; i < v.findings.size(); ++i) {
+    const Finding& f = v.findings[i];
+    Json measured = Json::object();
+    for (const auto& [name, value] : f.measured) measured[name] = value;
+    findings.push_back({{"severity", severity_name(f.severity)},
+                        {"code", f.code},
+                        {"material", name_or_null(v.materials[i])},
+                        {"material_index", f.material < 0 ? Json(nullptr) : Json(f.material)},
+                        {"texture", name_or_null(v.textures[i])},
+                        {"texture_index", f.texture < 0 ? Json(nullptr) : Json(f.texture)},
+                        {"subject", name_or_null(f.subject)},
+                        {"share", f.share ? Json(*f.share) : Json(nullptr)},
+                        {"share_of", f.share ? Json(f.share_of) : Json(nullptr)},
+                        {"message", f.message},
+                        {"fix", name_or_null(f.fix)},
+                        {"measured", measured}});
+  }
+  return {{"file", v.file},
+          {"readable", !v.unreadable},
+          {"reason", v.unreadable ? Json(*v.unreadable) : Json(nullptr)},
+          {"materials", v.material_count},
+          {"triangles", v.triangle_count},
+          {"findings", findings}};
+}
+
+std::string report_json(const std::vector<Verdict>& verdicts, const Totals& totals) {
+  Json assets = Json::array();
+  for (const Verdict& v : verdicts) assets.push_back(verdict_json(v));
+  const Json json = {{"assets", assets},
+                     {"summary",
+                      {{"files", totals.files},
+                       {"clean", totals.clean},
+                       {"unreadable", totals.unreadable},
+                       {"errors", totals.errors},
+                       {"warnings", totals.warnings},
+                       {"notes", totals.notes}}}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+struct CheckOptions {
+  std::vector<std::string> names;
+  bool json = false;
+  bool strict = false;
+  bool quiet = false;
+  std::string threads;
+};
+
+void run_check(const CheckOptions& options) {
+  constexpr int kMostThreads = 1024;
+  const ThreadLimit limit(options.threads.empty() ? 0 : parse_count(options.threads, 0, kMostThreads));
+  const std::vector<std::string> scenes = scenes_of(options.names);
+  std::vector<Verdict> verdicts;
+  Totals totals;
+  ProgressLine progress(options.quiet);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    progress.phase(fmt::format("{} of {}: {}", i + 1, scenes.size(), scenes[i]));
+    Verdict verdict = judge(scenes[i]);
+    totals.add(verdict);
+    if (options.json) {
+      verdicts.push_back(std::move(verdict));
+    } else {
+      print(verdict_text(verdict));
+    }
+  }
+  if (options.json) {
+    print(report_json(verdicts, totals));
+  } else if (scenes.size() > 1) {
+    print(fmt::format("{}, {} clean, {} unreadable: {}\n", plural(totals.files, "file"), totals.clean,
+                      totals.unreadable, counts_text(totals.errors, totals.warnings, totals.notes)));
+  }
+  if (totals.unreadable > 0) {
+    throw Error(fmt::format("{} of {} cannot be read", totals.unreadable, plural(totals.files, "file")));
+  }
+  if (options.strict && totals.errors + totals.warnings > 0) {
+    throw Error(fmt::format("{} and {} (--strict)", plural(totals.errors, "error"), plural(totals.warnings, "warning")));
+  }
+}
+
+}  // namespace
+
+Verb add_check(CLI::App& app) {
+  const auto options = std::make_shared<CheckOptions>();
+  CLI::App* verb = app.add_subcommand("check", "Judge materials, textures and meshes as a physicist would")->group("Verbs");
+  verb->add_option("SCENE", options->names, "Files (.glb, .gltf), folders to search for them, or demo:NAME")
+      ->required()
+      ->type_name("");
+  verb->add_flag("--json", options->json, "For a machine: one JSON object, with the measured numbers");
+  verb->add_flag("--strict", options->strict, "Exit code 1 where there is a warning or an error");
+  verb->add_option("--threads", options->threads, "Default: all the machine has")->type_name("N");
+  verb->add_flag("-q,--quiet", options->quiet, "No progress on standard error");
+  verb->footer(
+      "Examples:\n  candela check helmet.glb\n  candela check assets/ --strict\n  candela check helmet.glb --json\n\n"
+      "docs/check.md explains every finding.");
+  return [options] { run_check(*options); };
+}
+
+}  // namespace candela::cli
