@@ -1,8 +1,10 @@
+#include "study/check.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,7 +19,6 @@
 #include "cli/verbs.h"
 #include "io/gltf.h"
 #include "io/gltf_survey.h"
-#include "study/check.h"
 
 namespace candela::cli {
 
@@ -39,8 +40,8 @@ struct Verdict {
   std::size_t triangle_count = 0;
 
   std::size_t count(Severity severity) const {
-    return static_cast<std::size_t>(
-        std::count_if(findings.begin(), findings.end(), [severity](const Finding& f) { return f.severity == severity; }));
+    return static_cast<std::size_t>(std::count_if(findings.begin(), findings.end(),
+                                                  [severity](const Finding& f) { return f.severity == severity; }));
   }
 };
 
@@ -64,8 +65,7 @@ void finish(const Scene& scene, const FileSurvey* survey, Verdict& verdict) {
 /// What else can be said of a file that does not load: which of its images are to blame.
 void look_for_causes(const std::string& name, Verdict& verdict) {
   try {
-    verdict.findings =
-        study::check_images(io::survey_gltf(name, {.read_geometry = false, .decode_images = true}));
+    verdict.findings = study::check_images(io::survey_gltf(name, {.read_geometry = false, .decode_images = true}));
   } catch (const Error&) {
     // The file itself is damaged: the loader has said how.
   }
@@ -184,13 +184,23 @@ std::string verdict_text(const Verdict& v) {
   if (v.unreadable) {
     text += "cannot be read\n";
     // Where images are to blame, their findings say it.
-    if (v.findings.empty()) text += one_line(fmt::format("  {:<8} {:<22} {}", "error", "unreadable", *v.unreadable)) + "\n";
+    if (v.findings.empty())
+      text += one_line(fmt::format("  {:<8} {:<22} {}", "error", "unreadable", *v.unreadable)) + "\n";
   } else if (v.findings.empty()) {
-    return text + fmt::format("clean ({}, {})\n", plural(v.material_count, "material"), plural(v.triangle_count, "triangle"));
+    return text +
+           fmt::format("clean ({}, {})\n", plural(v.material_count, "material"), plural(v.triangle_count, "triangle"));
   } else {
     text += counts_text(v.count(Severity::error), v.count(Severity::warning), v.count(Severity::note)) + "\n";
   }
-  for (std::size_t i = 0; i < v.findings.size(); ++i) text += finding_text(v, i);
+  // What repeats for many materials would hide the rest.
+  constexpr std::size_t kMostAlike = 4;
+  std::map<std::string, std::size_t> told;
+  for (std::size_t i = 0; i < v.findings.size(); ++i) {
+    if (told[v.findings[i].code]++ < kMostAlike) text += finding_text(v, i);
+  }
+  for (const auto& [code, count] : told) {
+    if (count > kMostAlike) text += fmt::format("  and {} more {} (--json lists all)\n", count - kMostAlike, code);
+  }
   return text;
 }
 
@@ -272,7 +282,8 @@ void run_check(const CheckOptions& options) {
     throw Error(fmt::format("{} of {} cannot be read", totals.unreadable, plural(totals.files, "file")));
   }
   if (options.strict && totals.errors + totals.warnings > 0) {
-    throw Error(fmt::format("{} and {} (--strict)", plural(totals.errors, "error"), plural(totals.warnings, "warning")));
+    throw Error(
+        fmt::format("{} and {} (--strict)", plural(totals.errors, "error"), plural(totals.warnings, "warning")));
   }
 }
 
@@ -280,7 +291,8 @@ void run_check(const CheckOptions& options) {
 
 Verb add_check(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
-  CLI::App* verb = app.add_subcommand("check", "Judge materials, textures and meshes as a physicist would")->group("Verbs");
+  CLI::App* verb =
+      app.add_subcommand("check", "Judge materials, textures and meshes as a physicist would")->group("Verbs");
   verb->add_option("SCENE", options->names, "Files (.glb, .gltf), folders to search for them, or demo:NAME")
       ->required()
       ->type_name("");

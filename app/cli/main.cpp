@@ -38,8 +38,7 @@ int fail(int code, const std::string& message, const std::string& hint = {}) {
 
 std::string usage_hint(int argc, char** argv) {
   const std::string_view verb = argc > 1 ? argv[1] : "";
-  const bool known = verb == "render" || verb == "info" || verb == "furnace" || verb == "bake" ||
-                     verb == "check";
+  const bool known = verb == "render" || verb == "info" || verb == "furnace" || verb == "bake" || verb == "check";
   return std::string("Try 'candela ") + (known ? std::string(verb) + " " : "") + "--help'.\n";
 }
 

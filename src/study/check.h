@@ -22,10 +22,10 @@ const char* severity_name(Severity severity);
 /// One thing that a check found. docs/check.md explains every code.
 struct Finding {
   Severity severity = Severity::note;
-  std::string code;      ///< "metal-too-dark"
-  int material = -1;     ///< of the scene
-  int texture = -1;      ///< of the scene
-  std::string subject;   ///< what it is about where that is neither material nor texture; may be empty
+  std::string code;     ///< "metal-too-dark"
+  int material = -1;    ///< of the scene
+  int texture = -1;     ///< of the scene
+  std::string subject;  ///< what it is about where that is neither material nor texture; may be empty
   /// Fraction of what `share_of` names that it concerns.
   std::optional<double> share = std::nullopt;
   std::string share_of = "surface";

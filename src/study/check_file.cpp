@@ -40,8 +40,8 @@ bool contains(const std::vector<std::string>& list, std::string_view name) {
 
 void judge_extensions(const CheckInput& input, std::vector<Finding>& findings) {
   for (const std::string& name : input.extensions_missing) {
-    findings.push_back(plain(Severity::error, "extension-missing", name,
-                             "the file requires it and Candela does not support it"));
+    findings.push_back(
+        plain(Severity::error, "extension-missing", name, "the file requires it and Candela does not support it"));
   }
   for (const std::string& name : input.extensions_ignored) {
     if (contains(input.extensions_missing, name)) continue;
@@ -106,8 +106,9 @@ void judge_primitives(const Scene& scene, const FileSurvey& survey, std::vector<
                       fmt::join(m.missing_uv_sets, " and TEXCOORD_"), m.first_without_uv));
     }
     if (m.off_unit > 0) {
-      Finding& f = add(Severity::warning, "normals-not-unit", material,
-                       fmt::format("normals are not of unit length in the file; the worst is {:.3g} long", m.worst_length));
+      Finding& f =
+          add(Severity::warning, "normals-not-unit", material,
+              fmt::format("normals are not of unit length in the file; the worst is {:.3g} long", m.worst_length));
       f.share = ratio(m.off_unit, m.normals);
       f.share_of = "normals";
       f.fix = "normalize them";
@@ -122,10 +123,11 @@ void judge_primitives(const Scene& scene, const FileSurvey& survey, std::vector<
       f.measured.emplace_back("triangles", static_cast<double>(m.degenerate));
     }
     if (m.without_tangents > 0) {
-      Finding& f = add(Severity::note, "tangents-missing", material,
-                       fmt::format("{} of {} primitives with a normal map have no tangents; they are made by MikkTSpace, "
-                                   "which is right if the map was baked for it",
-                                   m.without_tangents, m.primitives));
+      Finding& f =
+          add(Severity::note, "tangents-missing", material,
+              fmt::format("{} of {} primitives with a normal map have no tangents; they are made by MikkTSpace, "
+                          "which is right if the map was baked for it",
+                          m.without_tangents, m.primitives));
       f.measured.emplace_back("primitives", static_cast<double>(m.without_tangents));
     }
   }
@@ -161,8 +163,9 @@ void judge_size(const Scene& scene, std::vector<Finding>& findings) {
   }
   const float side = max_component(box.size());
   if (side <= kLargest && side >= kSmallest) return;
-  Finding f = plain(Severity::note, "size-unlikely", {},
-                    fmt::format("its longest side is {:.3g} m; glTF is in metres, and volumes absorb by the metre", side));
+  Finding f =
+      plain(Severity::note, "size-unlikely", {},
+            fmt::format("its longest side is {:.3g} m; glTF is in metres, and volumes absorb by the metre", side));
   f.measured.emplace_back("longest_side_m", side);
   findings.push_back(std::move(f));
 }

@@ -49,9 +49,10 @@ void judge_light(const Scene& scene, std::size_t index, std::vector<Finding>& fi
     } else if (strength > 0.0 && strength < kLeastLux) {
       f.severity = Severity::note;
       f.code = "light-without-unit";
-      f.message = fmt::format("{:.3g} lux, less than a street lamp's {:.0f} on the ground: a number without unit? "
-                              "glTF takes lux; the sun gives 100 000",
-                              strength, kLeastLux);
+      f.message = fmt::format(
+          "{:.3g} lux, less than a street lamp's {:.0f} on the ground: a number without unit? "
+          "glTF takes lux; the sun gives 100 000",
+          strength, kLeastLux);
     } else {
       return;
     }
@@ -62,14 +63,15 @@ void judge_light(const Scene& scene, std::size_t index, std::vector<Finding>& fi
     if (lumens > kMostLumens) {
       f.severity = Severity::warning;
       f.code = "light-too-bright";
-      f.message = fmt::format("{:.3g} lm; a stadium's floodlight gives {:.3g}. An exporter that takes the watts of "
-                              "Blender's lamps for radiant flux (683 lm/W) makes such numbers",
-                              lumens, kMostLumens);
+      f.message = fmt::format(
+          "{:.3g} lm; a stadium's floodlight gives {:.3g}. An exporter that takes the watts of "
+          "Blender's lamps for radiant flux (683 lm/W) makes such numbers",
+          lumens, kMostLumens);
     } else if (light.ies < 0 && strength > 0.0 && strength < kLeastCandela) {
       f.severity = Severity::note;
       f.code = "light-without-unit";
-      f.message = fmt::format("{:.3g} cd, less than a candle's {:.0f}: a number without unit? glTF takes candela", strength,
-                              kLeastCandela);
+      f.message = fmt::format("{:.3g} cd, less than a candle's {:.0f}: a number without unit? glTF takes candela",
+                              strength, kLeastCandela);
     } else {
       return;
     }
@@ -109,9 +111,10 @@ void judge_emission(const Scene& scene, int index, double wall, std::vector<Find
     f.severity = Severity::note;
     f.code = "emission-too-faint";
     f.measured.emplace_back("white_wall_cd_m2", wall);
-    f.message = fmt::format("{:.3g} cd/m², while a white wall in the light of the file's own lamps has {:.3g}: nobody "
-                            "sees it glow",
-                            brightest, wall);
+    f.message = fmt::format(
+        "{:.3g} cd/m², while a white wall in the light of the file's own lamps has {:.3g}: nobody "
+        "sees it glow",
+        brightest, wall);
     f.fix = "give emissiveStrength in cd/m²; a screen has 100 to 1000";
   } else {
     return;

@@ -99,7 +99,8 @@ ivec2 TexelGrid::texel_at(const TextureSlot& slot, vec2 uv) const {
   // Beyond this a float has no texels to tell apart; the loader keeps coordinates far below.
   constexpr float kLargest = 1e9f;
   const vec2 held = glm::clamp(glm::floor(at), vec2(-kLargest), vec2(kLargest));
-  return {wrap_texel(static_cast<int>(held.x), size_.x, wrap_u_), wrap_texel(static_cast<int>(held.y), size_.y, wrap_v_)};
+  return {wrap_texel(static_cast<int>(held.x), size_.x, wrap_u_),
+          wrap_texel(static_cast<int>(held.y), size_.y, wrap_v_)};
 }
 
 vec3 TexelGrid::rgb(ivec2 texel) const {

@@ -20,6 +20,8 @@ namespace {
 // Diffuse reflectance of real matter: charcoal and fresh asphalt to fresh snow and white paint.
 constexpr float kDarkestAlbedo = 0.02f;
 constexpr float kBrightestAlbedo = 0.9f;
+// Black velvet. Darker than that is no surface.
+constexpr float kBlackest = 0.004f;
 // Below and above these `metallic` means a dielectric and a metal; between them it is a blend of both.
 constexpr float kDielectric = 0.1f;
 constexpr float kMetal = 0.9f;
@@ -27,7 +29,7 @@ constexpr float kMetal = 0.9f;
 constexpr float kMirrorRoughness = 0.02f;
 constexpr float kNoOcclusion = 0.02f;
 // Shares of a material's surface below which a finding is a seam, a letter or a crevice.
-constexpr double kWorthTelling = 0.05;
+constexpr double kWorthTelling = 0.1;
 constexpr double kLarge = 0.5;
 constexpr double kNearlyAll = 0.95;
 
@@ -37,6 +39,7 @@ struct Reading {
   float opacity = 1.0f;
   float metallic = 0.0f;
   float roughness = 0.0f;
+  float specular = 0.0f;  ///< largest channel of the specular-glossiness workflow's F0; 0 in the other
   float transmission = 0.0f;
   float occlusion = 1.0f;
   bool has_sheen = false;
@@ -70,8 +73,12 @@ Reading Reader::at(const SurfaceSample& point) const {
   if (m.alpha_mode == AlphaMode::mask) r.opacity = color.w >= m.alpha_cutoff ? 1.0f : 0.0f;
   if (m.alpha_mode == AlphaMode::blend) r.opacity = color.w;
   r.metallic = m.metallic * metallic_roughness.z;
-  r.roughness = m.specular_glossiness ? 1.0f - (1.0f - m.roughness) * look_up(data_.specular_glossiness, point).w
-                                      : m.roughness * metallic_roughness.y;
+  r.roughness = m.roughness * metallic_roughness.y;
+  if (m.specular_glossiness) {
+    const vec4 texel = look_up(data_.specular_glossiness, point);
+    r.roughness = 1.0f - (1.0f - m.roughness) * texel.w;
+    r.specular = max_component(m.specular_color * vec3(texel));
+  }
   r.transmission = m.transmission * look_up(data_.transmission, point).x;
   r.occlusion = look_up(occlusion_, point).x;
   r.has_sheen = max_component(m.sheen_color * vec3(look_up(data_.sheen_color, point))) > 0.0f;
@@ -102,8 +109,12 @@ struct Tallies {
   double least_opacity = 1.0;
 };
 
-/// Whether the base colour at a point is the reflectance of a surface that one can see.
-bool shows_albedo(const Reading& r) { return r.metallic <= kDielectric && r.transmission <= 0.5f; }
+/// Whether the base colour at a point is the reflectance of a surface that one can see: of no metal, which in the
+/// specular-glossiness workflow reflects more at the normal than any dielectric, and of nothing clear.
+bool shows_albedo(const Reading& r) {
+  constexpr float kMostSpecular = 0.2f;  // diamond has 0.17
+  return r.metallic <= kDielectric && r.specular <= kMostSpecular && r.transmission <= 0.5f;
+}
 
 void count(const Material& m, const Reading& r, Tallies& t) {
   const double w = r.opacity;
@@ -213,7 +224,9 @@ void MaterialJudge::judge_albedo() {
     add(std::move(f), textures_, t_.too_bright);
   }
   if (share(t_.too_dark) > kWorthTelling) {
-    Finding f = finding(Severity::warning, "albedo-too-dark", index_, share(t_.too_dark),
+    // Plastics that look black return less than charcoal below their gloss; black itself is suspicious.
+    const Severity severity = t_.too_dark.mean() < kBlackest ? Severity::warning : Severity::note;
+    Finding f = finding(severity, "albedo-too-dark", index_, share(t_.too_dark),
                         fmt::format("base colour of luminance {:.3f} where it is no metal; charcoal returns {:.2f}",
                                     t_.too_dark.mean(), kDarkestAlbedo));
     f.measured.emplace_back("limit", kDarkestAlbedo);
@@ -228,7 +241,9 @@ void MaterialJudge::judge_metal() {
                         fmt::format("metal that reflects {:.2f} at the normal; the darkest of the measured metals, {}, "
                                     "reflects {:.2f}",
                                     t_.dark_metal.mean(), darkest.name, darkest.luminance));
-    f.fix = "where it is paint, rust or dirt, metallic is 0";
+    f.fix = material_.metallic == 1.0f && !material_.metallic_roughness_texture
+                ? "metallicFactor 0, if it is no metal (in glTF it is 1 unless given)"
+                : "where it is paint, rust or dirt, metallic is 0";
     f.measured.emplace_back("limit", darkest_allowed());
     f.measured.emplace_back("metal_share", share(t_.metal));
     add(std::move(f), textures_, t_.dark_metal);
@@ -244,8 +259,9 @@ void MaterialJudge::judge_metal() {
 
 void MaterialJudge::judge_rest() {
   if (share(t_.mirror) > kLarge) {
-    Finding f = finding(Severity::note, "roughness-zero", index_, share(t_.mirror),
-                        fmt::format("roughness below {}: a perfect mirror, smoother than any polish", kMirrorRoughness));
+    Finding f =
+        finding(Severity::note, "roughness-zero", index_, share(t_.mirror),
+                fmt::format("roughness below {}: a perfect mirror, smoother than any polish", kMirrorRoughness));
     add(std::move(f), material_.metallic_roughness_texture.texture, t_.mirror);
   }
   if (material_.occlusion_texture && material_.occlusion_strength > 0.0f && share(t_.occluded) > kNearlyAll) {

@@ -105,9 +105,19 @@ void find_normal_maps_among_colors(const Scene& scene, const std::vector<Materia
   constexpr double kNearlyAll = 0.97;
   // Plain lavender is a colour too: directions have to differ by some degrees.
   constexpr double kLeastSpread = 0.003;
+  // Those that stand in a normal slot too have been told already.
+  std::set<int> normal_images;
+  for (const Material& m : scene.materials) {
+    for (const TextureSlot* slot : {&m.normal_texture, &m.clearcoat_normal_texture}) {
+      if (*slot) normal_images.insert(scene.textures[static_cast<std::size_t>(slot->texture)].image);
+    }
+  }
+  const auto is_normal_map = [&](int texture) {
+    return normal_images.contains(scene.textures[static_cast<std::size_t>(texture)].image);
+  };
   for (std::size_t m = 0; m < surfaces.size(); ++m) {
     const TextureSlot& slot = scene.materials[m].base_color_texture;
-    if (!slot || surfaces[m].empty()) continue;
+    if (!slot || surfaces[m].empty() || is_normal_map(slot.texture)) continue;
     const TexelGrid grid(scene, slot.texture);
     std::uint32_t unit = 0;
     dvec3 sum(0.0);

@@ -33,7 +33,8 @@ EdgeReport inspect_mesh(const Scene& scene, const Mesh& mesh, int material) {
   std::vector<vec3> positions;
   std::vector<uvec3> triangles;
   for (const Primitive& p : mesh.primitives) {
-    if (material >= 0 ? p.material != material : !is_body(scene.materials[static_cast<std::size_t>(p.material)])) continue;
+    if (material >= 0 ? p.material != material : !is_body(scene.materials[static_cast<std::size_t>(p.material)]))
+      continue;
     const auto first = static_cast<std::uint32_t>(positions.size());
     positions.insert(positions.end(), p.positions.begin(), p.positions.end());
     for (const uvec3& t : p.triangles) triangles.push_back(t + first);
@@ -63,9 +64,9 @@ std::vector<PlacedBody> placed_primitives(const Scene& scene) {
 /// What rays find that start just inside of a body.
 struct Crossing {
   std::uint32_t rays = 0;
-  std::uint32_t lost = 0;           ///< met nothing, or the body's front: they never learn that they left
-  std::vector<float> thickness;     ///< straight in along the normal to the far side, metres
-  std::vector<float> authored;      ///< thicknessFactor × thicknessTexture × scale at the same points, metres
+  std::uint32_t lost = 0;        ///< met nothing, or the body's front: they never learn that they left
+  std::vector<float> thickness;  ///< straight in along the normal to the far side, metres
+  std::vector<float> authored;   ///< thicknessFactor × thicknessTexture × scale at the same points, metres
 };
 
 float median(std::vector<float> values) {
@@ -250,7 +251,8 @@ void judge_thickness(const Material& m, int material, const Crossing& rays, std:
   if (m.attenuation_distance < kInfinity && m.multiscatter_color == vec3(0.0f)) {
     const vec3 left = glm::pow(m.attenuation_color, vec3(static_cast<float>(thickness) / m.attenuation_distance));
     const bool is_tinted = m.attenuation_color != vec3(1.0f);
-    if (max_component(left) < kDarkestBody || (is_tinted && glm::min(left.x, glm::min(left.y, left.z)) > kClearestBody)) {
+    if (max_component(left) < kDarkestBody ||
+        (is_tinted && glm::min(left.x, glm::min(left.y, left.z)) > kClearestBody)) {
       Finding f = body_finding(
           Severity::note, "attenuation-out-of-scale", material,
           fmt::format("of white light ({:.2g}, {:.2g}, {:.2g}) is left on the way through ({:.3g} m, median) at an "

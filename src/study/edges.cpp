@@ -124,7 +124,8 @@ EdgeReport inspect_edges(std::span<const vec3> positions, std::span<const uvec3>
 
   std::unordered_map<std::uint32_t, std::size_t> part_of_root;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const auto [found, is_new] = part_of_root.try_emplace(sets.find(static_cast<std::uint32_t>(i)), report.parts.size());
+    const auto [found, is_new] =
+        part_of_root.try_emplace(sets.find(static_cast<std::uint32_t>(i)), report.parts.size());
     if (is_new) report.parts.emplace_back();
     EdgeReport::Part& part = report.parts[found->second];
     const vec3 a = positions[faces[i].x], b = positions[faces[i].y], c = positions[faces[i].z];
