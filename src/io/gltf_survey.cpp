@@ -30,6 +30,27 @@ float length_tolerance(const Accessor& normals) {
   return normals.component_type == kFloat ? kOfFloats : kOfIntegers;
 }
 
+std::uint32_t big_endian(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | std::to_integer<std::uint32_t>(bytes[at + i]);
+  return value;
+}
+
+/// Depth and alpha of a PNG. ISO/IEC 15948:2004, §11.2.2 (IHDR) and §11.3.2.1 (tRNS, which comes before IDAT).
+void read_png_header(std::span<const std::byte> bytes, FileSurvey::Image& image) {
+  constexpr std::size_t kSignature = 8, kDepth = 24, kColorType = 25, kChunkFrame = 12;
+  if (bytes.size() <= kColorType) return;
+  image.bits = bytes[kDepth] == std::byte{16} ? 16 : 8;
+  image.has_alpha = (bytes[kColorType] & std::byte{4}) != std::byte{0};
+  for (std::size_t at = kSignature; at + kChunkFrame <= bytes.size();) {
+    const std::uint32_t type = big_endian(bytes, at + 4);
+    constexpr std::uint32_t kTransparency = 0x74524E53, kData = 0x49444154;
+    if (type == kTransparency) image.has_alpha = true;
+    if (type == kData) return;
+    at += kChunkFrame + big_endian(bytes, at);
+  }
+}
+
 struct NormalLengths {
   std::size_t count = 0;
   std::size_t off_unit = 0;
@@ -120,7 +141,9 @@ FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
     if (source.uri) storage = uris_.read(*source.uri);
     const std::span<const std::byte> bytes = source.uri ? std::span<const std::byte>(storage) : source.bytes;
     image.file_bytes = bytes.size();
-    image.format = format_name(sniff_image_format(bytes));
+    const ImageFormat format = sniff_image_format(bytes);
+    image.format = format_name(format);
+    if (format == ImageFormat::png) read_png_header(bytes, image);
     load_image({source.json, source.label, bytes, std::nullopt}, uris_, decode, texels);
   } catch (const Error& error) {
     image.error = error.what();

@@ -180,6 +180,16 @@ inline constexpr auto kTextureSlotNames = std::to_array<std::string_view>({
     "specularGlossinessTexture",
 });
 
+/// Whether the slot at this place of texture_slots holds sRGB colours; the others hold data.
+constexpr bool is_srgb_slot(std::size_t slot) {
+  for (const std::string_view name :
+       {"baseColorTexture", "emissiveTexture", "specularColorTexture", "sheenColorTexture",
+        "diffuseTransmissionColorTexture", "specularGlossinessTexture"}) {
+    if (kTextureSlotNames[slot] == name) return true;
+  }
+  return false;
+}
+
 /// Triangles with one material. All vertex arrays have the same length or, where optional, are empty.
 struct Primitive {
   std::vector<vec3> positions;
