@@ -73,6 +73,30 @@ void look_for_causes(const std::string& name, Verdict& verdict) {
   verdict.textures.resize(verdict.findings.size());
 }
 
+/// What a variant's materials add to the findings of those that primitives name themselves.
+void judge_variant(const std::string& name, const std::string& variant, Verdict& verdict) {
+  Diagnostics diagnostics;
+  const Scene scene = io::load_gltf(name, diagnostics, {.variant = variant, .refuse_unknown_required = false});
+  Verdict own;
+  own.findings = study::check_asset({.scene = scene});
+  finish(scene, nullptr, own);
+  for (std::size_t i = 0; i < own.findings.size(); ++i) {
+    Finding& f = own.findings[i];
+    bool is_known = false;
+    for (std::size_t k = 0; k < verdict.findings.size() && !is_known; ++k) {
+      is_known = verdict.findings[k].code == f.code && verdict.materials[k] == own.materials[i] &&
+                 verdict.findings[k].message == f.message;
+    }
+    if (is_known) continue;
+    // Its indices are those of another scene.
+    f.material = f.texture = -1;
+    f.subject += (f.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
+    verdict.findings.push_back(std::move(f));
+    verdict.materials.push_back(std::move(own.materials[i]));
+    verdict.textures.push_back(std::move(own.textures[i]));
+  }
+}
+
 Verdict judge_file(const std::string& name) {
   Verdict verdict;
   verdict.file = name;
@@ -88,6 +112,7 @@ Verdict judge_file(const std::string& name) {
                                            .extensions_missing = info.extensions_missing,
                                            .warnings = diagnostics.warnings()});
     finish(scene, &survey, verdict);
+    for (const std::string& variant : info.variants) judge_variant(name, variant, verdict);
   } catch (const Error& error) {
     verdict.unreadable = error.what();
     look_for_causes(name, verdict);

@@ -44,6 +44,7 @@ std::vector<MapUse> map_uses(const Scene& scene) {
     }
   }
   std::vector<MapUse> result;
+  result.reserve(of_image.size());
   for (auto& [image, use] : of_image) result.push_back(std::move(use));
   return result;
 }

@@ -12,7 +12,9 @@ namespace {
 
 /// Area of a mesh's triangles is multiplied by this for each node: exact for similarities.
 double area_scale(const mat4& world_from_node) {
-  return std::pow(std::fabs(static_cast<double>(glm::determinant(mat3(world_from_node)))), 2.0 / 3.0);
+  constexpr double kLargest = 1e30;  // still a float after a multiplication by the area of a mesh of some metres
+  const glm::dmat3 linear(world_from_node);
+  return std::min(std::pow(std::fabs(glm::determinant(linear)), 2.0 / 3.0), kLargest);
 }
 
 float triangle_area(const Primitive& p, const uvec3& t) {
@@ -40,12 +42,23 @@ vec4 SurfaceSample::color() const {
   return c[triangle.x] * barycentric.x + c[triangle.y] * barycentric.y + c[triangle.z] * barycentric.z;
 }
 
+bool SurfaceSample::is_normal_turned() const {
+  const std::vector<vec3>& p = primitive->positions;
+  const std::vector<vec3>& n = primitive->normals;
+  const dvec3 facet =
+      glm::cross(dvec3(p[triangle.y]) - dvec3(p[triangle.x]), dvec3(p[triangle.z]) - dvec3(p[triangle.x]));
+  const vec3 smooth = n[triangle.x] * barycentric.x + n[triangle.y] * barycentric.y + n[triangle.z] * barycentric.z;
+  return glm::dot(facet, dvec3(smooth)) < 0.0;
+}
+
 MaterialSurface::MaterialSurface(const std::vector<Part>& parts) {
+  constexpr float kMost = 1e30f;  // sums of them stay finite
   std::vector<float> weights;
   for (const auto& [primitive, scale] : parts) {
     for (std::size_t t = 0; t < primitive->triangles.size(); ++t) {
       faces_.push_back({primitive, static_cast<std::uint32_t>(t)});
-      weights.push_back(static_cast<float>(scale) * triangle_area(*primitive, primitive->triangles[t]));
+      weights.push_back(
+          std::min(static_cast<float>(scale) * triangle_area(*primitive, primitive->triangles[t]), kMost));
     }
   }
   if (faces_.empty()) return;

@@ -16,6 +16,8 @@ struct SurfaceSample {
 
   vec2 uv(int set) const;  ///< authored; (0, 0) where the primitive has no such set
   vec4 color() const;      ///< of the vertices, white where there is none
+  /// Whether the vertices' normal looks to the back of the facet, as its winding gives it.
+  bool is_normal_turned() const;
 };
 
 /// Everything that wears one material, as points spread over it by area.

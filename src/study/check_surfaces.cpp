@@ -164,12 +164,14 @@ class MaterialJudge {
   MaterialJudge(const Scene& scene, int index, const MaterialSurface& surface, std::vector<Finding>& findings)
       : material_(scene.materials[static_cast<std::size_t>(index)]),
         index_(index),
-        textures_(material_.base_color_texture.texture),
+        base_texture_(material_.base_color_texture.texture),
+        points_(samples_per_material(scene.materials.size())),
         findings_(findings) {
     const Reader reader(scene, material_);
-    const std::uint32_t n = samples_per_material(scene.materials.size());
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const Reading r = reader.at(surface.sample(i));
+    for (std::uint32_t i = 0; i < points_; ++i) {
+      const SurfaceSample point = surface.sample(i);
+      if (point.is_normal_turned()) ++turned_;
+      const Reading r = reader.at(point);
       count(material_, r, t_);
       if (r.metallic >= kMetal && !material_.is_conductor() && luminance(r.base_color) < darkest_allowed()) {
         t_.dark_metal.add(r.opacity, luminance(r.base_color));
@@ -178,6 +180,7 @@ class MaterialJudge {
   }
 
   void judge() {
+    judge_normals();
     if (t_.all <= 0.0) {
       findings_.push_back(finding(Severity::warning, "invisible", index_, 1.0,
                                   "its opacity is 0 at every point; nothing of it can be seen"));
@@ -203,16 +206,28 @@ class MaterialJudge {
     f.measured.emplace_back("most", tally.most);
     findings_.push_back(std::move(f));
   }
+  void judge_normals();
   void judge_albedo();
   void judge_metal();
   void judge_rest();
 
   const Material& material_;
   int index_;
-  int textures_;
+  int base_texture_;
+  std::uint32_t points_;
+  std::uint32_t turned_ = 0;  ///< points whose normal looks to the back
   std::vector<Finding>& findings_;
   Tallies t_;
 };
+
+void MaterialJudge::judge_normals() {
+  const double turned = static_cast<double>(turned_) / points_;
+  if (turned <= kWorthTelling) return;
+  Finding f = finding(Severity::warning, "normals-against-winding", index_, turned,
+                      "normals look to the side that the winding of the triangles makes the back");
+  f.fix = "reverse the winding of these triangles, or their normals";
+  findings_.push_back(std::move(f));
+}
 
 void MaterialJudge::judge_albedo() {
   if (share(t_.too_bright) > kWorthTelling) {
@@ -221,7 +236,7 @@ void MaterialJudge::judge_albedo() {
                                     "return at most {:.1f}",
                                     t_.too_bright.mean(), kBrightestAlbedo));
     f.measured.emplace_back("limit", kBrightestAlbedo);
-    add(std::move(f), textures_, t_.too_bright);
+    add(std::move(f), base_texture_, t_.too_bright);
   }
   if (share(t_.too_dark) > kWorthTelling) {
     // Plastics that look black return less than charcoal below their gloss; black itself is suspicious.
@@ -230,7 +245,7 @@ void MaterialJudge::judge_albedo() {
                         fmt::format("base colour of luminance {:.3f} where it is no metal; charcoal returns {:.2f}",
                                     t_.too_dark.mean(), kDarkestAlbedo));
     f.measured.emplace_back("limit", kDarkestAlbedo);
-    add(std::move(f), textures_, t_.too_dark);
+    add(std::move(f), base_texture_, t_.too_dark);
   }
 }
 
@@ -246,7 +261,7 @@ void MaterialJudge::judge_metal() {
                 : "where it is paint, rust or dirt, metallic is 0";
     f.measured.emplace_back("limit", darkest_allowed());
     f.measured.emplace_back("metal_share", share(t_.metal));
-    add(std::move(f), textures_, t_.dark_metal);
+    add(std::move(f), base_texture_, t_.dark_metal);
   }
   if (share(t_.between) > kWorthTelling) {
     Finding f = finding(Severity::note, "metallic-between", index_, share(t_.between),
@@ -273,7 +288,7 @@ void MaterialJudge::judge_rest() {
   if (material_.alpha_mode == AlphaMode::blend && t_.least_opacity > 0.999) {
     Finding f = finding(Severity::note, "blend-but-opaque", index_, 1.0,
                         "alphaMode is BLEND and opacity is 1 at every point; rasterizers sort it for nothing");
-    f.texture = textures_;
+    f.texture = base_texture_;
     f.fix = "alphaMode OPAQUE";
     findings_.push_back(std::move(f));
   }

@@ -69,7 +69,9 @@ std::map<int, std::vector<Place>> places_of_images(const Scene& scene) {
 }
 
 void find_shared_images(const Scene& scene, std::vector<Finding>& findings) {
-  for (const auto& [image, places] : places_of_images(scene)) {
+  for (const auto& entry : places_of_images(scene)) {
+    const int image = entry.first;
+    const std::vector<Place>& places = entry.second;
     const auto first = [&places](Use use) {
       return std::find_if(places.begin(), places.end(), [use](const Place& p) { return kUses[p.slot] == use; });
     };

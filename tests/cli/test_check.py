@@ -465,6 +465,19 @@ class Files(CheckTest):
         asset = self.quad_of(pbr(roughness=7))
         self.assertIn("roughnessFactor 7", self.only(asset, "file-oddity", "warning")["message"])
 
+    def test_every_variant_is_judged(self):
+        asset = self.quad_of(GREY)
+        dark = asset.material(pbr((0, 0, 0), name="tar"))
+        asset.extension("KHR_materials_variants")
+        asset.json["extensions"] = {"KHR_materials_variants": {"variants": [{"name": "day"}, {"name": "night"}]}}
+        mapping = {"material": dark, "variants": [1]}
+        asset.json["meshes"][0]["primitives"][0]["extensions"] = {"KHR_materials_variants": {"mappings": [mapping]}}
+        found = self.only(asset, "albedo-too-dark", "warning")
+        self.assertEqual((found["material"], found["subject"]), ("material 'tar'", "variant 'night'"))
+
+    def test_normals_against_winding(self):
+        self.only(self.quad_of(GREY, normal=(0, 0, -1)), "normals-against-winding", "warning")
+
     def test_size(self):
         asset = self.quad_of(GREY)
         asset.json["nodes"][0]["scale"] = [1e5, 1e5, 1e5]
