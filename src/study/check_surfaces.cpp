@@ -20,8 +20,8 @@ namespace {
 // Diffuse reflectance of real matter: charcoal and fresh asphalt to fresh snow and white paint.
 constexpr float kDarkestAlbedo = 0.02f;
 constexpr float kBrightestAlbedo = 0.9f;
-// Black velvet. Darker than that is no surface.
-constexpr float kBlackest = 0.004f;
+// Below three codes of sRGB: what black glass and the best velvet have, and what is left black by mistake.
+constexpr float kBlackest = 0.001f;
 // Below and above these `metallic` means a dielectric and a metal; between them it is a blend of both.
 constexpr float kDielectric = 0.1f;
 constexpr float kMetal = 0.9f;
@@ -39,8 +39,8 @@ struct Reading {
   float opacity = 1.0f;
   float metallic = 0.0f;
   float roughness = 0.0f;
-  float specular = 0.0f;  ///< largest channel of the specular-glossiness workflow's F0; 0 in the other
-  float transmission = 0.0f;
+  float specular = 0.0f;      ///< largest channel of the specular-glossiness workflow's F0; 0 in the other
+  float transmission = 0.0f;  ///< clear or diffuse, the larger
   float occlusion = 1.0f;
   bool has_sheen = false;
   bool glows = false;
@@ -79,7 +79,8 @@ Reading Reader::at(const SurfaceSample& point) const {
     r.roughness = 1.0f - (1.0f - m.roughness) * texel.w;
     r.specular = max_component(m.specular_color * vec3(texel));
   }
-  r.transmission = m.transmission * look_up(data_.transmission, point).x;
+  r.transmission = std::max(m.transmission * look_up(data_.transmission, point).x,
+                            m.diffuse_transmission * look_up(data_.diffuse_transmission, point).w);
   r.occlusion = look_up(occlusion_, point).x;
   r.has_sheen = max_component(m.sheen_color * vec3(look_up(data_.sheen_color, point))) > 0.0f;
   r.glows = max_component(m.emission * vec3(look_up(data_.emissive, point))) > 0.0f;
@@ -239,11 +240,12 @@ void MaterialJudge::judge_albedo() {
     add(std::move(f), base_texture_, t_.too_bright);
   }
   if (share(t_.too_dark) > kWorthTelling) {
-    // Plastics that look black return less than charcoal below their gloss; black itself is suspicious.
     const Severity severity = t_.too_dark.mean() < kBlackest ? Severity::warning : Severity::note;
-    Finding f = finding(severity, "albedo-too-dark", index_, share(t_.too_dark),
-                        fmt::format("base colour of luminance {:.3f} where it is no metal; charcoal returns {:.2f}",
-                                    t_.too_dark.mean(), kDarkestAlbedo));
+    Finding f =
+        finding(severity, "albedo-too-dark", index_, share(t_.too_dark),
+                fmt::format("base colour of luminance {:.3f} where it is no metal; charcoal returns {:.2f}, only black "
+                            "glass, lacquer and velvet less",
+                            t_.too_dark.mean(), kDarkestAlbedo));
     f.measured.emplace_back("limit", kDarkestAlbedo);
     add(std::move(f), base_texture_, t_.too_dark);
   }
