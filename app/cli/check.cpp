@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "base/diagnostics.h"
 #include "base/error.h"
@@ -29,19 +30,23 @@ using Json = nlohmann::ordered_json;
 using study::Finding;
 using study::Severity;
 
+/// A finding, and the names of what it is about; empty where it is about no such thing.
+struct Told {
+  Finding finding;
+  std::string material, texture;
+};
+
 /// What was found in one file.
 struct Verdict {
   std::string file;
   std::optional<std::string> unreadable;  ///< why it cannot be judged
-  std::vector<Finding> findings;
-  // By finding, empty where it is about no such thing.
-  std::vector<std::string> materials, textures;
+  std::vector<Told> findings;
   std::size_t material_count = 0;
   std::size_t triangle_count = 0;
 
   std::size_t count(Severity severity) const {
-    return static_cast<std::size_t>(std::count_if(findings.begin(), findings.end(),
-                                                  [severity](const Finding& f) { return f.severity == severity; }));
+    return static_cast<std::size_t>(std::count_if(
+        findings.begin(), findings.end(), [severity](const Told& told) { return told.finding.severity == severity; }));
   }
 };
 
@@ -53,81 +58,75 @@ std::size_t triangles_of(const Scene& scene) {
   return count;
 }
 
-void finish(const Scene& scene, const FileSurvey* survey, Verdict& verdict) {
-  for (const Finding& f : verdict.findings) {
-    verdict.materials.push_back(f.material < 0 ? "" : study::material_label(scene, f.material));
-    verdict.textures.push_back(f.texture < 0 ? "" : study::texture_label(scene, f.texture, survey));
+std::vector<Told> told(const Scene& scene, const FileSurvey* survey, std::vector<Finding> findings) {
+  std::vector<Told> result;
+  result.reserve(findings.size());
+  for (Finding& f : findings) {
+    std::string material = f.material < 0 ? "" : study::material_label(scene, f.material);
+    std::string texture = f.texture < 0 ? "" : study::texture_label(scene, f.texture, survey);
+    result.push_back({std::move(f), std::move(material), std::move(texture)});
   }
-  verdict.material_count = scene.materials.size();
-  verdict.triangle_count = triangles_of(scene);
+  return result;
+}
+
+Verdict verdict_of(const std::string& name, const study::CheckInput& input) {
+  return {name, std::nullopt, told(input.scene, input.survey, study::check_asset(input)), input.scene.materials.size(),
+          triangles_of(input.scene)};
 }
 
 /// What else can be said of a file that does not load: which of its images are to blame.
-void look_for_causes(const std::string& name, Verdict& verdict) {
+std::vector<Told> causes(const std::string& name) {
+  std::vector<Told> result;
   try {
-    verdict.findings = study::check_images(io::survey_gltf(name, {.read_geometry = false, .decode_images = true}));
+    const FileSurvey survey = io::survey_gltf(name, {.read_geometry = false, .decode_images = true});
+    for (Finding& f : study::check_images(survey)) result.push_back({std::move(f), {}, {}});
   } catch (const Error&) {
     // The file itself is damaged: the loader has said how.
   }
-  verdict.materials.resize(verdict.findings.size());
-  verdict.textures.resize(verdict.findings.size());
+  return result;
 }
 
 /// What a variant's materials add to the findings of those that primitives name themselves.
-void judge_variant(const std::string& name, const std::string& variant, Verdict& verdict) {
+void add_variant(const std::string& name, const std::string& variant, Verdict& verdict) {
   Diagnostics diagnostics;
   const Scene scene = io::load_gltf(name, diagnostics, {.variant = variant, .refuse_unknown_required = false});
-  Verdict own;
-  own.findings = study::check_asset({.scene = scene});
-  finish(scene, nullptr, own);
-  for (std::size_t i = 0; i < own.findings.size(); ++i) {
-    Finding& f = own.findings[i];
-    bool is_known = false;
-    for (std::size_t k = 0; k < verdict.findings.size() && !is_known; ++k) {
-      is_known = verdict.findings[k].code == f.code && verdict.materials[k] == own.materials[i] &&
-                 verdict.findings[k].message == f.message;
-    }
-    if (is_known) continue;
+  const auto key = [](const Told& t) { return t.finding.code + '\n' + t.material + '\n' + t.finding.message; };
+  std::set<std::string> known;
+  for (const Told& t : verdict.findings) known.insert(key(t));
+  for (Told& own : told(scene, nullptr, study::check_asset({.scene = scene}))) {
+    if (known.contains(key(own))) continue;
     // Its indices are those of another scene.
-    f.material = f.texture = -1;
-    f.subject += (f.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
-    verdict.findings.push_back(std::move(f));
-    verdict.materials.push_back(std::move(own.materials[i]));
-    verdict.textures.push_back(std::move(own.textures[i]));
+    own.finding.material = own.finding.texture = -1;
+    own.finding.subject += (own.finding.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
+    verdict.findings.push_back(std::move(own));
   }
 }
 
 Verdict judge_file(const std::string& name) {
-  Verdict verdict;
-  verdict.file = name;
   try {
     Diagnostics diagnostics;
     io::FileInfo info;
     const Scene scene = io::load_gltf(name, diagnostics, {.refuse_unknown_required = false}, &info);
     const FileSurvey survey = io::survey_gltf(name, {});
-    verdict.findings = study::check_asset({.scene = scene,
-                                           .survey = &survey,
-                                           .extensions_used = info.extensions_used,
-                                           .extensions_ignored = info.extensions_ignored,
-                                           .extensions_missing = info.extensions_missing,
-                                           .warnings = diagnostics.warnings()});
-    finish(scene, &survey, verdict);
-    for (const std::string& variant : info.variants) judge_variant(name, variant, verdict);
+    Verdict verdict = verdict_of(name, {.scene = scene,
+                                        .survey = &survey,
+                                        .extensions_used = info.extensions_used,
+                                        .extensions_ignored = info.extensions_ignored,
+                                        .extensions_missing = info.extensions_missing,
+                                        .warnings = diagnostics.warnings()});
+    for (const std::string& variant : info.variants) add_variant(name, variant, verdict);
+    std::stable_sort(verdict.findings.begin(), verdict.findings.end(),
+                     [](const Told& a, const Told& b) { return a.finding.severity > b.finding.severity; });
+    return verdict;
   } catch (const Error& error) {
-    verdict.unreadable = error.what();
-    look_for_causes(name, verdict);
+    return {name, error.what(), causes(name)};
   }
-  return verdict;
 }
 
 Verdict judge(const std::string& name) {
   if (!name.starts_with("demo:")) return judge_file(name);
-  Verdict verdict;
-  verdict.file = name;
   const Scene scene = load(name);
-  verdict.findings = study::check_asset({.scene = scene});
-  finish(scene, nullptr, verdict);
-  return verdict;
+  return verdict_of(name, {.scene = scene});
 }
 
 /// The scenes below a folder, in the order of their names.
@@ -187,14 +186,14 @@ std::string percent_text(double share) {
   return share > 0.0 && share < 0.001 ? "less than 0.1 %" : fmt::format("{:.1f} %", 100.0 * share);
 }
 
-std::string finding_text(const Verdict& verdict, std::size_t index) {
-  const Finding& f = verdict.findings[index];
+std::string finding_text(const Told& told) {
+  const Finding& f = told.finding;
   std::string about;
   const auto add = [&about](const std::string& text) {
     if (!text.empty()) about += (about.empty() ? "" : ", ") + text;
   };
-  add(verdict.materials[index]);
-  add(verdict.textures[index]);
+  add(told.material);
+  add(told.texture);
   add(f.subject);
   if (f.share) add(fmt::format("{} of its {}", percent_text(*f.share), f.share_of));
   std::string text = fmt::format("  {:<8} {:<22} ", severity_name(f.severity), f.code);
@@ -219,11 +218,11 @@ std::string verdict_text(const Verdict& v) {
   }
   // What repeats for many materials would hide the rest.
   constexpr std::size_t kMostAlike = 4;
-  std::map<std::string, std::size_t> told;
-  for (std::size_t i = 0; i < v.findings.size(); ++i) {
-    if (told[v.findings[i].code]++ < kMostAlike) text += finding_text(v, i);
+  std::map<std::string, std::size_t> alike;
+  for (const Told& told : v.findings) {
+    if (alike[told.finding.code]++ < kMostAlike) text += finding_text(told);
   }
-  for (const auto& [code, count] : told) {
+  for (const auto& [code, count] : alike) {
     if (count > kMostAlike) text += fmt::format("  and {} more {} (--json lists all)\n", count - kMostAlike, code);
   }
   return text;
@@ -233,15 +232,14 @@ Json name_or_null(const std::string& label) { return label.empty() ? Json(nullpt
 
 Json verdict_json(const Verdict& v) {
   Json findings = Json::array();
-  for (std::size_t i = 0; i < v.findings.size(); ++i) {
-    const Finding& f = v.findings[i];
+  for (const auto& [f, material, texture] : v.findings) {
     Json measured = Json::object();
     for (const auto& [name, value] : f.measured) measured[name] = value;
     findings.push_back({{"severity", severity_name(f.severity)},
                         {"code", f.code},
-                        {"material", name_or_null(v.materials[i])},
+                        {"material", name_or_null(material)},
                         {"material_index", f.material < 0 ? Json(nullptr) : Json(f.material)},
-                        {"texture", name_or_null(v.textures[i])},
+                        {"texture", name_or_null(texture)},
                         {"texture_index", f.texture < 0 ? Json(nullptr) : Json(f.texture)},
                         {"subject", name_or_null(f.subject)},
                         {"share", f.share ? Json(*f.share) : Json(nullptr)},

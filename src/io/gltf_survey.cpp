@@ -20,15 +20,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t kTriangles = 4;  // glTF 2.0 §5.24.4: below are points and lines, above strips and fans
-constexpr int kFloat = 5126;
 
-/// What reading a normal back may be off by: rounding of floats, and of normalised bytes and shorts (glTF 2.0
-/// §3.6.2.2), three components of half a step each.
-float length_tolerance(const Accessor& normals) {
-  constexpr float kOfFloats = 0.005f;  // the tolerance of the Khronos glTF-Validator is 0.00674
-  constexpr float kOfIntegers = 0.015f;
-  return normals.component_type == kFloat ? kOfFloats : kOfIntegers;
-}
+// As the Khronos glTF-Validator: a little more than normalised bytes may be off.
+constexpr float kLengthTolerance = 0.00674f;
 
 std::uint32_t big_endian(std::span<const std::byte> bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -57,12 +51,12 @@ struct NormalLengths {
   float worst = 1.0f;
 };
 
-NormalLengths measure_lengths(std::span<const vec3> normals, float tolerance) {
+NormalLengths measure_lengths(std::span<const vec3> normals) {
   NormalLengths result;
   result.count = normals.size();
   for (const vec3 n : normals) {
     const float length = glm::length(n);
-    if (std::fabs(length - 1.0f) > tolerance) ++result.off_unit;
+    if (std::fabs(length - 1.0f) > kLengthTolerance) ++result.off_unit;
     if (std::fabs(length - 1.0f) > std::fabs(result.worst - 1.0f)) result.worst = length;
   }
   return result;
@@ -183,8 +177,7 @@ void Surveyor::measure_normals(const JsonView& attributes, FileSurvey::Primitive
   if (!reference) return;
   const auto [found, is_new] = normals_.try_emplace(reference->whole());
   if (is_new) {
-    const Accessor accessor = reader_.open(*reference, {"VEC3"});
-    found->second = measure_lengths(reader_.read_as<vec3>(accessor), length_tolerance(accessor));
+    found->second = measure_lengths(reader_.read_as<vec3>(reader_.open(*reference, {"VEC3"})));
   }
   result.normals = found->second.count;
   result.normals_off_unit = found->second.off_unit;

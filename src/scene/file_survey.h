@@ -24,7 +24,7 @@ struct FileSurvey {
     std::size_t triangles = 0;
     std::size_t degenerate = 0;             ///< triangles of a list that name a vertex twice or have no area
     std::size_t normals = 0;                ///< 0 = the file has none
-    std::size_t normals_off_unit = 0;       ///< further from unit length than their encoding explains
+    std::size_t normals_off_unit = 0;       ///< further from unit length than rounding explains
     float worst_normal_length = 1.0f;       ///< the one furthest from 1
     bool has_tangents = false;              ///< in the file
     std::vector<int> missing_uv_sets = {};  ///< that the material's textures read, ascending

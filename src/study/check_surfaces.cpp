@@ -17,7 +17,7 @@ namespace candela::study {
 
 namespace {
 
-// Diffuse reflectance of real matter: charcoal and fresh asphalt to fresh snow and white paint.
+// Diffuse reflectance of real matter: from charcoal and fresh asphalt to white paint.
 constexpr float kDarkestAlbedo = 0.02f;
 constexpr float kBrightestAlbedo = 0.9f;
 // Below three codes of sRGB: what black glass and the best velvet have, and what is left black by mistake.
@@ -233,8 +233,8 @@ void MaterialJudge::judge_normals() {
 void MaterialJudge::judge_albedo() {
   if (share(t_.too_bright) > kWorthTelling) {
     Finding f = finding(Severity::warning, "albedo-too-bright", index_, share(t_.too_bright),
-                        fmt::format("base colour of luminance {:.2f} where it is no metal; fresh snow and white paint "
-                                    "return at most {:.1f}",
+                        fmt::format("base colour of luminance {:.2f} where it is no metal; only fresh snow and pressed "
+                                    "white powders return more than {:.1f}",
                                     t_.too_bright.mean(), kBrightestAlbedo));
     f.measured.emplace_back("limit", kBrightestAlbedo);
     add(std::move(f), base_texture_, t_.too_bright);
