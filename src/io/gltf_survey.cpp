@@ -220,15 +220,24 @@ FileSurvey Surveyor::survey(const SurveyOptions& options) {
   return result;
 }
 
+FileSurvey survey(std::span<const std::byte> bytes, const fs::path& base_folder, const std::string& label,
+                  const SurveyOptions& options) {
+  Diagnostics diagnostics;
+  Warnings warnings(diagnostics);
+  const GltfDocument document(bytes, label, diagnostics);
+  const UriReader uris(base_folder);
+  return Surveyor(document, uris, bytes.size(), warnings).survey(options);
+}
+
 }  // namespace
 
 FileSurvey survey_gltf(const fs::path& path, const SurveyOptions& options) {
   const std::vector<std::byte> bytes = read_file(path);
-  Diagnostics diagnostics;
-  Warnings warnings(diagnostics);
-  const GltfDocument document(bytes, path.string(), diagnostics);
-  const UriReader uris(path.has_parent_path() ? path.parent_path() : fs::path("."));
-  return Surveyor(document, uris, bytes.size(), warnings).survey(options);
+  return survey(bytes, path.has_parent_path() ? path.parent_path() : fs::path("."), path.string(), options);
+}
+
+FileSurvey survey_gltf(std::span<const std::byte> bytes, const fs::path& base_folder, const SurveyOptions& options) {
+  return survey(bytes, base_folder, "glTF in memory", options);
 }
 
 }  // namespace candela::io

@@ -157,8 +157,8 @@ void judge(const MapUse& use, const MapMeasure& m, std::vector<Finding>& finding
   // The slopes of a height field average out unless all of it leans one way.
   constexpr double kLeaning = 0.2;
   constexpr double kUpright = 0.06;
-  // Both measures have to agree, for decals and cracks are no height fields; of maps that are right the correlation
-  // lies above 0 and less than four points in ten are against it.
+  // Both measures have to agree, for decals and cracks are no height fields and noise is of no sign. Maps that are
+  // right have correlations above 0 and at most half of the points against it.
   constexpr double kClear = -0.3;
   constexpr double kMajority = 0.75;
   constexpr std::uint32_t kLeastVotes = 256;

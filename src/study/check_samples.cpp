@@ -10,13 +10,6 @@ namespace candela::study {
 
 namespace {
 
-/// Area of a mesh's triangles is multiplied by this for each node: exact for similarities.
-double area_scale(const mat4& world_from_node) {
-  constexpr double kLargest = 1e30;  // still a float after a multiplication by the area of a mesh of some metres
-  const glm::dmat3 linear(world_from_node);
-  return std::min(std::pow(std::fabs(glm::determinant(linear)), 2.0 / 3.0), kLargest);
-}
-
 float triangle_area(const Primitive& p, const uvec3& t) {
   return 0.5f * glm::length(glm::cross(p.positions[t.y] - p.positions[t.x], p.positions[t.z] - p.positions[t.x]));
 }
@@ -29,6 +22,12 @@ int wrap_texel(int i, int size, Wrap wrap) {
 }
 
 }  // namespace
+
+double area_scale(const mat4& world_from_node) {
+  constexpr double kLargest = 1e30;  // still a float after a multiplication by the area of a mesh of some metres
+  const glm::dmat3 linear(world_from_node);
+  return std::min(std::pow(std::fabs(glm::determinant(linear)), 2.0 / 3.0), kLargest);
+}
 
 vec2 SurfaceSample::uv(int set) const {
   const std::vector<vec2>& uvs = primitive->uvs[static_cast<std::size_t>(set)];
@@ -73,7 +72,8 @@ SurfaceSample MaterialSurface::sample(std::uint32_t index) const {
   const Face& face = faces_[static_cast<std::size_t>(chosen.index)];
   // Turk 1990, "Generating Random Points in Triangles", Graphics Gems.
   const float s = std::sqrt(chosen.u);
-  return {face.primitive, face.primitive->triangles[face.triangle], {1.0f - s, s * (1.0f - u.y), s * u.y}};
+  return {
+      face.primitive, face.triangle, face.primitive->triangles[face.triangle], {1.0f - s, s * (1.0f - u.y), s * u.y}};
 }
 
 std::vector<MaterialSurface> material_surfaces(const Scene& scene) {

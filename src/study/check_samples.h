@@ -11,7 +11,8 @@ namespace candela::study {
 /// A point of a surface, before any transform.
 struct SurfaceSample {
   const Primitive* primitive = nullptr;
-  uvec3 triangle{0};
+  std::uint32_t index = 0;  ///< of the triangle
+  uvec3 triangle{0};        ///< its vertices
   vec3 barycentric{0.0f};
 
   vec2 uv(int set) const;  ///< authored; (0, 0) where the primitive has no such set
@@ -44,6 +45,9 @@ class MaterialSurface {
   Distribution1D by_area_;
   double area_ = 0.0;
 };
+
+/// How many times larger areas are after a transform: exact for similarities.
+double area_scale(const mat4& world_from_node);
 
 /// One per material of the scene.
 std::vector<MaterialSurface> material_surfaces(const Scene& scene);

@@ -353,6 +353,22 @@ void judge_factors(const Material& m, int index, std::vector<Finding>& findings)
         fmt::format("index of refraction {:.3g}; no clear matter exceeds {} (rutile)", m.ior, kLargestIor), "ior",
         m.ior);
   }
+  // Diamond reflects 0.17 at the normal, rutile 0.2.
+  constexpr float kMostReflectance = 0.24f;
+  const float reflectance = shade::f0_from_eta(std::max(m.ior, 1.0f)) * m.specular * max_component(m.specular_color);
+  if (!m.specular_glossiness && m.metallic < 1.0f && m.ior <= kLargestIor && reflectance > kMostReflectance) {
+    add(Severity::warning, "specular-too-bright",
+        fmt::format("a dielectric that reflects {:.2f} at the normal; no clear matter exceeds {} (rutile)", reflectance,
+                    kMostReflectance),
+        "reflectance", reflectance);
+  }
+  // 20 / Abbe number: rutile has 2.0, dense flint glass 1.1.
+  constexpr float kMostDispersion = 2.1f;
+  if (m.dispersion > kMostDispersion) {
+    add(Severity::warning, "dispersion-too-strong",
+        fmt::format("dispersion {:.3g}, an Abbe number of {:.2g}; rutile has 9.9", m.dispersion, 20.0f / m.dispersion),
+        "dispersion", m.dispersion);
+  }
   if (m.has_volume() && m.transmission == 0.0f && m.diffuse_transmission == 0.0f) {
     add(Severity::note, "volume-without-transmission",
         fmt::format("thicknessFactor {:.3g}, but no transmission lets light in: the volume has no effect", m.thickness),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "base/parallel.h"
 #include "math/sobol.h"
@@ -42,24 +43,37 @@ EdgeReport inspect_mesh(const Scene& scene, const Mesh& mesh, int material) {
   return inspect_edges(positions, triangles, default_weld_distance(positions));
 }
 
-/// Where a primitive stands, as the path tracer numbers it.
-struct PlacedBody {
-  int placement = -1;
-  int material = -1;
-  int mesh = -1;
-};
+/// Where a primitive stands, as the path tracer numbers it: placements follow nodes and their primitives that have
+/// triangles, in order (path/geometry.cpp).
+struct Placements {
+  struct Of {
+    std::vector<int> placements;
+    std::vector<float> areas;
+    Distribution1D by_area;
+  };
+  std::unordered_map<const Primitive*, Of> of_primitive;
+  std::vector<int> materials;  ///< by placement
 
-/// Placements follow nodes and their primitives that have triangles, in order (path/geometry.cpp).
-std::vector<PlacedBody> placed_primitives(const Scene& scene) {
-  std::vector<PlacedBody> result;
-  for (const Node& node : scene.nodes) {
-    if (node.mesh < 0) continue;
-    for (const Primitive& p : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
-      if (!p.triangles.empty()) result.push_back({static_cast<int>(result.size()), p.material, node.mesh});
+  explicit Placements(const Scene& scene) {
+    for (const Node& node : scene.nodes) {
+      if (node.mesh < 0) continue;
+      const auto scale = static_cast<float>(area_scale(node.world_from_node));
+      for (const Primitive& p : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
+        if (p.triangles.empty()) continue;
+        Of& of = of_primitive[&p];
+        of.placements.push_back(static_cast<int>(materials.size()));
+        of.areas.push_back(scale);
+        materials.push_back(p.material);
+      }
     }
+    for (auto& [primitive, of] : of_primitive) of.by_area = Distribution1D(of.areas);
   }
-  return result;
-}
+
+  int choose(const Primitive* primitive, float u) const {
+    const Of& of = of_primitive.at(primitive);
+    return of.placements[static_cast<std::size_t>(of.by_area.sample(u).index)];
+  }
+};
 
 /// What rays find that start just inside of a body.
 struct Crossing {
@@ -78,35 +92,37 @@ float median(std::vector<float> values) {
 
 class BodyProbe {
  public:
-  BodyProbe(const Scene& scene, const path::Geometry& geometry, const std::vector<PlacedBody>& placed)
+  BodyProbe(const Scene& scene, const path::Geometry& geometry, const Placements& placed)
       : scene_(scene), geometry_(geometry), placed_(placed) {}
 
-  Crossing probe(int material) const;
+  Crossing probe(int material, const MaterialSurface& surface) const;
 
  private:
   struct Site {
     int placement;
     std::uint32_t triangle;
+    vec3 barycentric;
   };
-  void cast(const Site& site, vec3 barycentric, const path::TextureReader& thickness, vec2 u, Crossing& result) const;
+  void cast(const Site& site, const path::TextureReader& thickness, vec2 u, Crossing& result) const;
   /// The body's far side in this direction; 0 where another thing lies before it, negative where the ray is lost.
   float leave(int own, vec3 origin, vec3 direction, float clearance) const;
 
   const Scene& scene_;
   const path::Geometry& geometry_;
-  const std::vector<PlacedBody>& placed_;
+  const Placements& placed_;
 };
 
 float BodyProbe::leave(int own, vec3 origin, vec3 direction, float clearance) const {
   const path::Hit hit = geometry_.intersect({origin, direction, 0.0f, kInfinity}, 0);
   if (!hit) return -1.0f;
-  const auto& at = placed_[static_cast<std::size_t>(hit.placement)];
-  if (!is_body(scene_.materials[static_cast<std::size_t>(at.material)])) return 0.0f;
+  const int material = placed_.materials[static_cast<std::size_t>(hit.placement)];
+  if (!is_body(scene_.materials[static_cast<std::size_t>(material)])) return 0.0f;
   if (path::is_back_hit(geometry_, hit, direction)) return hit.t + clearance;
-  return at.material == placed_[static_cast<std::size_t>(own)].material ? -1.0f : 0.0f;
+  return material == placed_.materials[static_cast<std::size_t>(own)] ? -1.0f : 0.0f;
 }
 
-void BodyProbe::cast(const Site& site, vec3 b, const path::TextureReader& thickness, vec2 u, Crossing& result) const {
+void BodyProbe::cast(const Site& site, const path::TextureReader& thickness, vec2 u, Crossing& result) const {
+  const vec3 b = site.barycentric;
   const path::Placement& placement = geometry_.placement(site.placement);
   const path::TrianglePositions p = path::triangle_positions(placement, site.triangle);
   vec3 n = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
@@ -136,31 +152,17 @@ void BodyProbe::cast(const Site& site, vec3 b, const path::TextureReader& thickn
   if (leave(site.placement, origin, direction, clearance) < 0.0f) ++result.lost;
 }
 
-Crossing BodyProbe::probe(int material) const {
-  std::vector<Site> sites;
-  std::vector<float> areas;
-  for (const PlacedBody& body : placed_) {
-    if (body.material != material) continue;
-    const path::Placement& placement = geometry_.placement(body.placement);
-    for (std::uint32_t t = 0; t < placement.mesh->triangles.size(); ++t) {
-      const path::TrianglePositions p = path::triangle_positions(placement, t);
-      sites.push_back({body.placement, t});
-      areas.push_back(glm::length(glm::cross(p.p1 - p.p0, p.p2 - p.p0)));
-    }
-  }
+Crossing BodyProbe::probe(int material, const MaterialSurface& surface) const {
   Crossing result;
-  if (sites.empty()) return result;
-  const Distribution1D by_area(areas);
+  if (surface.empty()) return result;
   const path::TextureReader thickness(scene_, scene_.materials[static_cast<std::size_t>(material)].thickness_texture,
                                       path::Encoding::data);
   constexpr std::uint32_t kSeed = 0x626f6479;
   for (std::uint32_t i = 0; i < kPoints; ++i) {
     SobolSampler sampler(kSeed, i);
-    const vec2 u = sampler.next_2d();
-    const Distribution1D::Sample chosen = by_area.sample(u.x);
-    const float s = std::sqrt(chosen.u);
-    cast(sites[static_cast<std::size_t>(chosen.index)], {1.0f - s, s * (1.0f - u.y), s * u.y}, thickness,
-         sampler.next_2d(), result);
+    const SurfaceSample point = surface.sample(i);
+    const int placement = placed_.choose(point.primitive, sampler.next_1d());
+    cast({placement, point.index, point.barycentric}, thickness, sampler.next_2d(), result);
   }
   return result;
 }
@@ -267,19 +269,19 @@ void judge_thickness(const Material& m, int material, const Crossing& rays, std:
 
 }  // namespace
 
-void check_volumes(const Scene& scene, std::vector<Finding>& findings) {
+void check_volumes(const Scene& scene, const std::vector<MaterialSurface>& surfaces, std::vector<Finding>& findings) {
   std::vector<int> bodies;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     if (is_body(scene.materials[i])) bodies.push_back(static_cast<int>(i));
   }
   if (bodies.empty()) return;
   const path::Geometry geometry(scene);
-  const std::vector<PlacedBody> placed = placed_primitives(scene);
+  const Placements placed(scene);
   const BodyProbe probe(scene, geometry, placed);
   std::vector<std::vector<Finding>> of_body(bodies.size());
   parallel_for(0, bodies.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Crossing rays = probe.probe(bodies[i]);
+      const Crossing rays = probe.probe(bodies[i], surfaces[static_cast<std::size_t>(bodies[i])]);
       if (rays.rays == 0) continue;
       judge_shape(bodies[i], inspect_material(scene, bodies[i]), rays, of_body[i]);
       judge_thickness(scene.materials[static_cast<std::size_t>(bodies[i])], bodies[i], rays, of_body[i]);

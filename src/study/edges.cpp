@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include "math/hash.h"
 
@@ -28,7 +29,10 @@ struct CellHash {
 /// eight of them.
 std::vector<std::uint32_t> weld(std::span<const vec3> positions, float distance) {
   std::vector<std::uint32_t> result(positions.size());
-  std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> cells;
+  // Each cell knows its last vertex, each vertex the one before it in its cell.
+  constexpr std::uint32_t kNone = 0xFFFFFFFF;
+  std::unordered_map<Cell, std::uint32_t, CellHash> last;
+  std::vector<std::uint32_t> before(positions.size(), kNone);
   const double width = std::max(2.0 * static_cast<double>(distance), 1e-30);
   const auto cell_of = [width](const dvec3& p) { return Cell(glm::floor(p / width)); };
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -39,16 +43,18 @@ std::vector<std::uint32_t> weld(std::span<const vec3> positions, float distance)
     for (std::int64_t z = low.z; z <= high.z; ++z) {
       for (std::int64_t y = low.y; y <= high.y; ++y) {
         for (std::int64_t x = low.x; x <= high.x; ++x) {
-          const auto near = cells.find(Cell(x, y, z));
-          if (near == cells.end()) continue;
-          for (const std::uint32_t other : near->second) {
+          const auto near = last.find(Cell(x, y, z));
+          if (near == last.end()) continue;
+          for (std::uint32_t other = near->second; other != kNone; other = before[other]) {
             if (glm::length(dvec3(positions[other]) - p) <= distance) found = std::min(found, other);
           }
         }
       }
     }
     result[i] = found;
-    if (found == i) cells[cell_of(p)].push_back(found);
+    if (found != i) continue;
+    const auto [own, is_new] = last.try_emplace(cell_of(p), found);
+    if (!is_new) before[i] = std::exchange(own->second, found);
   }
   return result;
 }

@@ -277,6 +277,15 @@ class Surfaces(CheckTest):
         asset.extension("KHR_materials_ior")
         self.only(asset, "ior-too-high", "warning")
 
+    def test_reflectance_of_dielectrics(self):
+        bright = {"KHR_materials_specular": {"specularColorFactor": [10, 10, 10]}}
+        asset = self.quad_of(pbr(extensions=bright))
+        asset.extension("KHR_materials_specular")
+        found = self.only(asset, "specular-too-bright", "warning")
+        self.assertAlmostEqual(found["measured"]["reflectance"], 0.4, delta=1e-3)
+        asset.json["materials"][0]["pbrMetallicRoughness"] |= {"metallicFactor": 1, "baseColorFactor": [0.6, 0.6, 0.6, 1]}
+        self.clean(asset)  # of metals it says nothing
+
 
 class Maps(CheckTest):
     def with_normal_map(self, texel, tangents=True, **more):
@@ -397,6 +406,21 @@ class Bodies(CheckTest):
         black = self.glass(attenuationDistance=0.001, attenuationColor=[0.5, 0.5, 0.5])
         self.only(self.body(black), "attenuation-out-of-scale", "note")
         self.clean(self.body(self.glass(attenuationDistance=1, attenuationColor=[0.5, 0.9, 0.5])))
+
+    def test_dispersion(self):
+        material = self.glass()
+        material["extensions"]["KHR_materials_dispersion"] = {"dispersion": 1.1}
+        asset = self.body(material)
+        asset.extension("KHR_materials_dispersion")
+        self.clean(asset)
+        material["extensions"]["KHR_materials_dispersion"]["dispersion"] = 5
+        self.only(asset, "dispersion-too-strong", "warning")
+
+    def test_instances_of_a_body(self):
+        asset = self.body()
+        for i in range(3):
+            asset.node(mesh=0, translation=[3 * i + 3, 0, 0], scale=[2, 2, -2])
+        self.clean(asset)
 
     def test_volume_without_transmission(self):
         material = pbr(extensions={"KHR_materials_volume": {"thicknessFactor": 1}})

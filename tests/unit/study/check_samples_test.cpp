@@ -28,7 +28,7 @@ Scene two_triangles(const std::vector<float>& scales) {
   return scene;
 }
 
-TEST(MaterialSurface, PointsAreSpreadByArea) {
+TEST(unit_study_material_surface, points_are_spread_by_area) {
   const Scene scene = two_triangles({1});
   const std::vector<MaterialSurface> surfaces = material_surfaces(scene);
   ASSERT_EQ(surfaces.size(), 2);
@@ -51,12 +51,12 @@ TEST(MaterialSurface, PointsAreSpreadByArea) {
   EXPECT_NEAR(mean.y, 1.0 / 3, 0.01);
 }
 
-TEST(MaterialSurface, InstancesAddTheirArea) {
+TEST(unit_study_material_surface, instances_add_their_area) {
   EXPECT_NEAR(material_surfaces(two_triangles({1, 3, -2}))[0].area(), 4 * (1 + 9 + 4), 1e-4);
   EXPECT_TRUE(material_surfaces(two_triangles({}))[0].empty());
 }
 
-TEST(MaterialSurface, ThereAreFewerPointsOfVeryManyMaterials) {
+TEST(unit_study_material_surface, there_are_fewer_points_of_very_many_materials) {
   EXPECT_EQ(samples_per_material(1), 4096);
   EXPECT_EQ(samples_per_material(10000), 419);
   EXPECT_EQ(samples_per_material(1000000), 256);
@@ -82,7 +82,7 @@ Scene four_texels(Wrap wrap, int bits) {
   return scene;
 }
 
-TEST(TexelGrid, WrapsAsTheSamplerSays) {
+TEST(unit_study_texel_grid, wraps_as_the_sampler_says) {
   TextureSlot slot;
   slot.texture = 0;
   const auto red = [&](Wrap wrap, vec2 uv) {
@@ -100,7 +100,7 @@ TEST(TexelGrid, WrapsAsTheSamplerSays) {
   EXPECT_NEAR(red(Wrap::repeat, {0.25f, 0.25f}), 1, 1e-6);
 }
 
-TEST(TexelGrid, SixteenBitsAreTheSameCodes) {
+TEST(unit_study_texel_grid, sixteen_bits_are_the_same_codes) {
   const Scene narrow = four_texels(Wrap::repeat, 8), wide = four_texels(Wrap::repeat, 16);
   for (int i = 0; i < 4; ++i) {
     const ivec2 at(i % 2, i / 2);

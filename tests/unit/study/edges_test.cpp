@@ -34,7 +34,7 @@ void add_cube(Triangles& mesh, vec3 center, float half, bool inward = false) {
   }
 }
 
-TEST(Edges, CornersAtTheSamePlaceAreOne) {
+TEST(unit_study_edges, corners_at_the_same_place_are_one) {
   Triangles cube;
   add_cube(cube, vec3(0), 1);
   const EdgeReport report = cube.inspect();
@@ -48,14 +48,14 @@ TEST(Edges, CornersAtTheSamePlaceAreOne) {
   EXPECT_FALSE(cube.inspect().is_closed());
 }
 
-TEST(Edges, RoundingOfExportersIsForgiven) {
+TEST(unit_study_edges, rounding_of_exporters_is_forgiven) {
   Triangles cube;
   add_cube(cube, vec3(1000, 0, 0), 1);
   for (std::size_t i = 0; i < cube.positions.size(); ++i) cube.positions[i].y += i % 2 == 0 ? 4e-6f : -4e-6f;
   EXPECT_TRUE(cube.inspect().is_closed());
 }
 
-TEST(Edges, WhatIsMissingAndTurnedIsCounted) {
+TEST(unit_study_edges, what_is_missing_and_turned_is_counted) {
   Triangles open;
   add_cube(open, vec3(0), 1);
   open.triangles.resize(10);
@@ -77,7 +77,7 @@ TEST(Edges, WhatIsMissingAndTurnedIsCounted) {
   EXPECT_EQ(fin.inspect().boundary, 2);
 }
 
-TEST(Edges, VolumeTellsInsideFromOutside) {
+TEST(unit_study_edges, volume_tells_inside_from_outside) {
   Triangles outward, inward, hollow, far;
   add_cube(outward, vec3(0), 1);
   EXPECT_EQ(outward.inspect().inside_out(), 0);
@@ -94,7 +94,7 @@ TEST(Edges, VolumeTellsInsideFromOutside) {
   EXPECT_EQ(far.inspect().inside_out(), 0);
 }
 
-TEST(Edges, NothingIsNothing) {
+TEST(unit_study_edges, nothing_is_nothing) {
   const EdgeReport report = inspect_edges({}, {}, 0.0f);
   EXPECT_EQ(report.edges, 0);
   EXPECT_TRUE(report.parts.empty());
