@@ -17,7 +17,10 @@ namespace candela::study {
 
 namespace {
 
-constexpr std::uint32_t kPoints = 2048;
+// On each body; fewer where there are very many.
+constexpr std::size_t kMostPoints = 2048;
+constexpr std::size_t kLeastPoints = 256;
+constexpr std::size_t kPointsInAll = std::size_t{1} << 21;
 // Rays that slip through closed meshes by rounding are far fewer.
 constexpr double kLeak = 0.005;
 // A body is not everywhere equally thick, and authors enter radius, diameter or mean.
@@ -95,7 +98,7 @@ class BodyProbe {
   BodyProbe(const Scene& scene, const path::Geometry& geometry, const Placements& placed)
       : scene_(scene), geometry_(geometry), placed_(placed) {}
 
-  Crossing probe(int material, const MaterialSurface& surface) const;
+  Crossing probe(int material, const MaterialSurface& surface, std::size_t points) const;
 
  private:
   struct Site {
@@ -152,13 +155,13 @@ void BodyProbe::cast(const Site& site, const path::TextureReader& thickness, vec
   if (leave(site.placement, origin, direction, clearance) < 0.0f) ++result.lost;
 }
 
-Crossing BodyProbe::probe(int material, const MaterialSurface& surface) const {
+Crossing BodyProbe::probe(int material, const MaterialSurface& surface, std::size_t points) const {
   Crossing result;
   if (surface.empty()) return result;
   const path::TextureReader thickness(scene_, scene_.materials[static_cast<std::size_t>(material)].thickness_texture,
                                       path::Encoding::data);
   constexpr std::uint32_t kSeed = 0x626f6479;
-  for (std::uint32_t i = 0; i < kPoints; ++i) {
+  for (std::uint32_t i = 0; i < points; ++i) {
     SobolSampler sampler(kSeed, i);
     const SurfaceSample point = surface.sample(i);
     const int placement = placed_.choose(point.primitive, sampler.next_1d());
@@ -236,7 +239,7 @@ void judge_shape(int material, const Shape& shape, const Crossing& rays, std::ve
 
 void judge_thickness(const Material& m, int material, const Crossing& rays, std::vector<Finding>& findings) {
   // Too few far sides say nothing about a median.
-  if (rays.thickness.size() < kPoints / 8) return;
+  if (rays.thickness.size() < rays.rays / 8) return;
   const double thickness = median(rays.thickness);
   const double authored = median(rays.authored);
   const double ratio = thickness > 0.0 ? authored / thickness : 1.0;
@@ -278,10 +281,11 @@ void check_volumes(const Scene& scene, const std::vector<MaterialSurface>& surfa
   const path::Geometry geometry(scene);
   const Placements placed(scene);
   const BodyProbe probe(scene, geometry, placed);
+  const std::size_t points = std::clamp(kPointsInAll / bodies.size(), kLeastPoints, kMostPoints);
   std::vector<std::vector<Finding>> of_body(bodies.size());
   parallel_for(0, bodies.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Crossing rays = probe.probe(bodies[i], surfaces[static_cast<std::size_t>(bodies[i])]);
+      const Crossing rays = probe.probe(bodies[i], surfaces[static_cast<std::size_t>(bodies[i])], points);
       if (rays.rays == 0) continue;
       judge_shape(bodies[i], inspect_material(scene, bodies[i]), rays, of_body[i]);
       judge_thickness(scene.materials[static_cast<std::size_t>(bodies[i])], bodies[i], rays, of_body[i]);
