@@ -45,6 +45,13 @@ void read_png_header(std::span<const std::byte> bytes, FileSurvey::Image& image)
   }
 }
 
+/// Whether a triangle has no area but for rounding, whichever way the compiler multiplies and adds.
+bool is_flat(const dvec3& a, const dvec3& b, const dvec3& c) {
+  constexpr double kSine = 1e-14;
+  const dvec3 e = b - a, f = c - a, n = glm::cross(e, f);
+  return glm::dot(n, n) <= kSine * kSine * glm::dot(e, e) * glm::dot(f, f);
+}
+
 struct NormalLengths {
   std::size_t count = 0;
   std::size_t off_unit = 0;
@@ -167,8 +174,7 @@ void Surveyor::count_degenerate(const JsonView& json, FileSurvey::Primitive& res
   const auto corner = [&](std::size_t i) { return dvec3(vertices[reference ? indices[i] : i]); };
   result.triangles = count / 3;
   for (std::size_t i = 0; i + 2 < count; i += 3) {
-    const dvec3 a = corner(i);
-    if (glm::cross(corner(i + 1) - a, corner(i + 2) - a) == dvec3(0)) ++result.degenerate;
+    if (is_flat(corner(i), corner(i + 1), corner(i + 2))) ++result.degenerate;
   }
 }
 

@@ -571,7 +571,7 @@ class Files(CheckTest):
             asset.json["meshes"][0]["primitives"].append(primitive | {"material": i})
         start = time.perf_counter()
         found = self.findings(asset)
-        self.assertLess(time.perf_counter() - start, 30)
+        self.assertLess(time.perf_counter() - start, 60)  # 1 s, sanitizers get room
         self.assertEqual([f["material_index"] for f in found], list(range(100, 10000, 100)))
         out = self.succeeds("check", "a.gltf").out
         self.assertLess(out.count("\n"), 8)
@@ -605,7 +605,7 @@ class Models(CheckTest):
         for name in ("Avocado.gltf", "BoxTextured.glb", "TwoSidedPlane.gltf", "AnimatedCube.gltf"):
             self.assertEqual([f for f in found[name]["findings"] if f["severity"] != "note"], [], name)
         spheres = found["MetalRoughSpheresNoTextures.glb"]["findings"]
-        self.assertEqual({f["code"] for f in spheres}, {"metallic-between", "roughness-zero"})
+        self.assertEqual({f["code"] for f in spheres}, {"metallic-between", "roughness-zero", "degenerate-triangles"})
         codes = [f["code"] for asset in found.values() for f in asset["findings"]]
         self.assertNotIn("normal-map-flipped-y", codes)
         self.assertNotIn("normal-map-srgb", codes)

@@ -39,6 +39,12 @@ TEST(unit_io_gltf_survey, triangles_without_area_are_counted_in_lists_alone) {
   Builder file = triangle();
   primitive(file)["indices"] = file.indices({0, 1, 2, 0, 0, 1, 1, 2, 1});
   EXPECT_EQ(survey(file).primitives.at(0).degenerate, 2);
+  // Three places on a line, or two corners at one, however they are rounded.
+  Builder line = triangle();
+  primitive(line)["attributes"]["POSITION"] = line.vec3s({0.1f, 0.3f, 0.7f, 0.1f, 0.3f, 0.7f, 3, -2, 0.9f});
+  EXPECT_EQ(survey(line).primitives.at(0).degenerate, 1);
+  primitive(line)["attributes"]["POSITION"] = line.vec3s({0, 0, 0, 0.1f, 0.3f, 0.7f, 0.2f, 0.6f, 1.4f});
+  EXPECT_EQ(survey(line).primitives.at(0).degenerate, 1);
   primitive(file)["mode"] = 5;
   EXPECT_EQ(survey(file).primitives.at(0).degenerate, 0);
   EXPECT_EQ(survey(file).primitives.at(0).triangles, 7);
