@@ -38,8 +38,8 @@ def bumps(x, y, size=64):
     return 0.3 * 3 * math.cos(phase) / 3 - 0.2 * 2 * math.sin(other) / 3, 0.3 * 2 * math.cos(phase) / 3 + 0.2 * 4 * math.sin(other) / 3
 
 
-def normal_texel(x, y, flip=1, scale=1.0, encode=lambda c: c):
-    p, q = bumps(x, y)
+def normal_texel(x, y, flip=1, scale=1.0, encode=lambda c: c, height=1.0):
+    p, q = (height * slope for slope in bumps(x, y))
     n = [-p, -q * flip, 1.0]
     length = math.sqrt(sum(c * c for c in n)) / scale
     return [round(255 * encode(0.5 + 0.5 * c / length)) for c in n]
@@ -88,7 +88,7 @@ class Asset:
         return len(self.json["materials"]) - 1
 
     def mesh(self, material, positions, triangles, **attributes):
-        kinds = {"NORMAL": "VEC3", "TANGENT": "VEC4", "TEXCOORD_0": "VEC2"}
+        kinds = {"NORMAL": "VEC3", "TANGENT": "VEC4", "TEXCOORD_0": "VEC2", "COLOR_0": "VEC3"}
         named = {"POSITION": self.accessor(positions, "VEC3")}
         named |= {name: self.accessor(values, kinds[name]) for name, values in attributes.items()}
         primitive = {"attributes": named, "indices": self.accessor([i for t in triangles for i in t], "SCALAR", 5125)}
@@ -97,10 +97,11 @@ class Asset:
         self.json["meshes"].append({"primitives": [primitive]})
         return self.node(mesh=len(self.json["meshes"]) - 1)
 
-    def quad(self, material, uvs=((0, 1), (1, 1), (1, 0), (0, 0)), tangents=True, normal=(0, 0, 1)):
+    def quad(self, material, uvs=((0, 1), (1, 1), (1, 0), (0, 0)), tangents=True, normal=(0, 0, 1), color=None):
         """2 m wide, looking along +z, with all attributes."""
         more = {"TEXCOORD_0": uvs} if uvs else {}
         more |= {"TANGENT": [(1, 0, 0, 1)] * 4} if tangents else {}
+        more |= {"COLOR_0": [color] * 4} if color else {}
         corners = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
         return self.mesh(material, corners, [(0, 1, 2), (0, 2, 3)], NORMAL=[normal] * 4, **more)
 
@@ -120,7 +121,13 @@ class Asset:
                 outward = (sign > 0) ^ (face in turn) ^ inward
                 for t in ((0, 1, 2), (0, 2, 3)):
                     triangles.append([first + i for i in (t if outward else t[::-1])])
-        return self.mesh(material, positions, triangles)
+        return self.mesh(material, positions, triangles, TEXCOORD_0=[(0.5, 0.5)] * len(positions))
+
+    def join_last_mesh(self):
+        """Makes the last mesh part of the one before it."""
+        self.json["meshes"][-2]["primitives"] += self.json["meshes"].pop()["primitives"]
+        self.json["nodes"].pop()
+        self.json["scenes"][0]["nodes"].pop()
 
     def node(self, **node):
         self.json["nodes"].append(node)
@@ -226,6 +233,9 @@ class Surfaces(CheckTest):
         velvet.extension("KHR_materials_sheen")
         self.clean(velvet)
 
+    def test_vertex_colors_count(self):
+        self.only(self.quad_of(GREY, color=(0, 0, 0)), "albedo-too-dark", "warning")
+
     def test_dark_metal(self):
         found = self.only(self.quad_of(pbr((0.2, 0.2, 0.2), metallic=1)), "metal-too-dark", "warning")
         self.assertEqual(found["share"], 1.0)
@@ -305,6 +315,10 @@ class Maps(CheckTest):
 
     def test_green_of_part_of_a_map_is_not_clear(self):
         self.clean(self.with_normal_map(lambda x, y: normal_texel(x, y, flip=-1 if x < 32 else 1)))
+        # A steep decal against a faint relief, and the other way round.
+        decal = lambda sign: lambda x, y: normal_texel(x, y, sign if x < 12 else -sign, height=1.5 if x < 12 else 0.3)
+        self.clean(self.with_normal_map(decal(-1)))
+        self.clean(self.with_normal_map(decal(1)))
 
     def test_srgb_codes(self):
         found = self.only(self.with_normal_map(lambda x, y: normal_texel(x, y, encode=srgb)), "normal-map-srgb", "warning")
@@ -326,7 +340,7 @@ class Maps(CheckTest):
         asset.quad(asset.material(pbr((1, 1, 1), baseColorTexture=texture)))
         self.only(asset, "base-color-is-normal-map", "warning")
         plain = Asset()
-        texture = plain.texture(png(8, 8, lambda x, y: [128, 128, 255]))
+        texture = plain.texture(png(8, 8, lambda x, y: [126 + x % 4, 126 + y % 4, 255]))
         plain.quad(plain.material(pbr((1, 1, 1), baseColorTexture=texture)))
         self.clean(plain)  # lavender
 
@@ -369,10 +383,13 @@ class Bodies(CheckTest):
     def test_a_hollow_is_no_fault(self):
         asset = self.body(self.glass(thickness=0.3))
         asset.cube(0, side=0.4, inward=True)
-        # One mesh of both.
-        asset.json["meshes"][0]["primitives"] += asset.json["meshes"].pop()["primitives"]
-        asset.json["nodes"].pop()
-        asset.json["scenes"][0]["nodes"].pop()
+        asset.join_last_mesh()
+        self.clean(asset)
+
+    def test_bodies_of_one_mesh_close_each_other(self):
+        asset = self.body(drop=[5])
+        asset.cube(asset.material(self.glass()), drop=[0, 1, 2, 3, 4])
+        asset.join_last_mesh()
         self.clean(asset)
 
     def test_open_body(self):
@@ -396,6 +413,15 @@ class Bodies(CheckTest):
         found = self.only(self.body(self.glass(thickness=20)), "thickness-mismatch", "note")
         self.assertAlmostEqual(found["measured"]["true_m"], 1, delta=0.01)
         self.assertAlmostEqual(found["measured"]["ratio"], 20, delta=0.2)
+
+    def test_thickness_is_times_its_texture(self):
+        asset = Asset()
+        asset.extension("KHR_materials_transmission", "KHR_materials_volume")
+        material = self.glass(thicknessTexture=asset.texture(png(4, 4, lambda x, y: [255, 13, 255])))
+        asset.cube(asset.material(material))
+        self.assertAlmostEqual(self.only(asset, "thickness-mismatch", "note")["measured"]["ratio"], 13 / 255, delta=0.001)
+        material["extensions"]["KHR_materials_volume"]["thicknessFactor"] = 20
+        self.clean(asset)
 
     def test_thickness_scales_with_the_node(self):
         asset = self.body()
@@ -442,6 +468,7 @@ class Lights(CheckTest):
         found = self.only(self.lit(type="point", intensity=54351, name="Lamp"), "light-too-bright", "warning")
         self.assertAlmostEqual(found["measured"]["flux_lm"], 54351 * 4 * math.pi, delta=100)
         self.assertIn("Lamp", found["subject"])
+        self.clean(self.lit(type="point", intensity=54351, color=[0, 0, 0.1]))  # lumens see little blue
         self.only(self.lit(type="directional", intensity=1e6), "light-too-bright", "warning")
         self.only(self.lit(type="directional", intensity=3), "light-without-unit", "note")
         self.only(self.lit(type="point", intensity=0.5), "light-without-unit", "note")

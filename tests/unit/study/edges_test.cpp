@@ -83,6 +83,8 @@ TEST(unit_study_edges, volume_tells_inside_from_outside) {
   EXPECT_EQ(outward.inspect().inside_out(), 0);
   add_cube(inward, vec3(0), 1, true);
   EXPECT_EQ(inward.inspect().inside_out(), 1);
+  inward.triangles.resize(10);
+  EXPECT_EQ(inward.inspect().inside_out(), 0) << "what is open has no inside";
   // The wall of a hollow looks into it.
   add_cube(hollow, vec3(0), 1);
   add_cube(hollow, vec3(0), 0.5f, true);
