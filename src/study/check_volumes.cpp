@@ -32,13 +32,12 @@ bool is_body(const Material& m) {
   return m.has_volume() && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f) && !m.unlit;
 }
 
-/// The triangles of a mesh that bound bodies, of one material or of all.
-EdgeReport inspect_mesh(const Scene& scene, const Mesh& mesh, int material) {
+/// The triangles of a mesh that wear one material.
+EdgeReport inspect_mesh(const Mesh& mesh, int material) {
   std::vector<vec3> positions;
   std::vector<uvec3> triangles;
   for (const Primitive& p : mesh.primitives) {
-    if (material >= 0 ? p.material != material : !is_body(scene.materials[static_cast<std::size_t>(p.material)]))
-      continue;
+    if (p.material != material) continue;
     const auto first = static_cast<std::uint32_t>(positions.size());
     positions.insert(positions.end(), p.positions.begin(), p.positions.end());
     for (const uvec3& t : p.triangles) triangles.push_back(t + first);
@@ -178,18 +177,13 @@ struct Shape {
   bool is_closed() const { return boundary + inconsistent + non_manifold == 0; }
 };
 
-/// Where a material's triangles are open, all bodies of the mesh are taken together.
 Shape inspect_material(const Scene& scene, int material) {
   Shape total;
   for (const Mesh& mesh : scene.meshes) {
     const bool wears = std::any_of(mesh.primitives.begin(), mesh.primitives.end(),
                                    [material](const Primitive& p) { return p.material == material; });
     if (!wears) continue;
-    EdgeReport report = inspect_mesh(scene, mesh, material);
-    if (!report.is_closed()) {
-      EdgeReport all = inspect_mesh(scene, mesh, -1);
-      if (all.is_closed()) report = std::move(all);
-    }
+    const EdgeReport report = inspect_mesh(mesh, material);
     total.edges += report.edges;
     total.boundary += report.boundary;
     total.inconsistent += report.inconsistent;

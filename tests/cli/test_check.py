@@ -356,6 +356,12 @@ class Maps(CheckTest):
         found = self.only(asset, "data-as-color", "warning")
         self.assertIn("baseColorTexture and metallicRoughnessTexture", found["message"])
 
+    def test_one_plain_texel_may_serve_everywhere(self):
+        asset = Asset()
+        texture = asset.texture(png(2, 2, lambda x, y: [200, 200, 200]))
+        asset.quad(asset.material(pbr(baseColorTexture=texture, occlusionTexture=texture)))
+        self.clean(asset)
+
     def test_packed_images_are_meant(self):
         asset = Asset()
         texture = asset.texture(png(8, 8, lambda x, y: [200 + 5 * x, 150, 0]))
