@@ -74,14 +74,21 @@ Verdict verdict_of(const std::string& name, const study::CheckInput& input) {
           triangles_of(input.scene)};
 }
 
-/// What else can be said of a file that does not load: which of its images are to blame.
-std::vector<Told> causes(const std::string& name) {
+/// What keeps a file from being judged: its images, each that fails, or else what the loader says.
+std::vector<Told> causes(const std::string& name, const Error& error) {
   std::vector<Told> result;
   try {
     const FileSurvey survey = io::survey_gltf(name, {.read_geometry = false, .decode_images = true});
     for (Finding& f : study::check_images(survey)) result.push_back({std::move(f), {}, {}});
   } catch (const Error&) {
-    // The file itself is damaged: the loader has said how.
+    // The file itself is damaged, as `error` says.
+  }
+  if (result.empty()) {
+    Finding f;
+    f.severity = Severity::error;
+    f.code = "unreadable";
+    f.message = error.what();
+    result.push_back({std::move(f), {}, {}});
   }
   return result;
 }
@@ -119,7 +126,7 @@ Verdict judge_file(const std::string& name) {
                      [](const Told& a, const Told& b) { return a.finding.severity > b.finding.severity; });
     return verdict;
   } catch (const Error& error) {
-    return {name, error.what(), causes(name)};
+    return {name, error.what(), causes(name, error)};
   }
 }
 
@@ -207,9 +214,6 @@ std::string verdict_text(const Verdict& v) {
   std::string text = one_line(v.file) + ": ";
   if (v.unreadable) {
     text += "cannot be read\n";
-    // Where images are to blame, their findings say it.
-    if (v.findings.empty())
-      text += one_line(fmt::format("  {:<8} {:<22} {}", "error", "unreadable", *v.unreadable)) + "\n";
   } else if (v.findings.empty()) {
     return text +
            fmt::format("clean ({}, {})\n", plural(v.material_count, "material"), plural(v.triangle_count, "triangle"));
@@ -284,10 +288,14 @@ void run_check(const CheckOptions& options) {
   const std::vector<std::string> scenes = scenes_of(options.names);
   std::vector<Verdict> verdicts;
   Totals totals;
-  ProgressLine progress(options.quiet);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    progress.phase(fmt::format("{} of {}: {}", i + 1, scenes.size(), scenes[i]));
-    Verdict verdict = judge(scenes[i]);
+    Verdict verdict;
+    {
+      // Gone before anything is printed: both may be the same terminal.
+      ProgressLine progress(options.quiet);
+      progress.phase(fmt::format("{} of {}: {}", i + 1, scenes.size(), scenes[i]));
+      verdict = judge(scenes[i]);
+    }
     totals.add(verdict);
     if (options.json) {
       verdicts.push_back(std::move(verdict));

@@ -574,10 +574,13 @@ class Files(CheckTest):
         self.assertRegex(result.out, r"(?m)^\./broken.gltf: cannot be read\n  error +unreadable +\S+broken.gltf: JSON error")
         self.assertRegex(result.out, r"(?m)^\./dark.GLTF: 0 errors, 1 warning, 0 notes\n  warning  albedo-too-dark ")
         self.assertRegex(result.out, r"(?m)^\./deep/good.gltf: clean")
-        self.assertRegex(result.out, r"3 files, 1 clean, 1 unreadable: 0 errors, 1 warning, 0 notes\n\Z")
+        self.assertRegex(result.out, r"3 files, 1 clean, 1 unreadable: 1 error, 1 warning, 0 notes\n\Z")
 
     def test_nothing_to_check(self):
         self.fails("check", "absent.glb", says="1 of 1 file cannot be read")
+        report = json.loads(self.run_candela("check", "absent.glb", "--json").out)["assets"][0]
+        self.assertEqual((report["readable"], report["findings"][0]["code"]), (False, "unreadable"))
+        self.assertIn("no such file", report["reason"])
         (self.folder / "empty").mkdir()
         self.fails("check", "empty", says="no .gltf or .glb")
 
