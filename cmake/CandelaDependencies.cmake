@@ -18,6 +18,7 @@ find_package(zstd REQUIRED)
 find_path(CANDELA_GLES_INCLUDE GLES3/gl3.h REQUIRED)
 find_library(CANDELA_EGL EGL REQUIRED)
 find_library(CANDELA_GLES GLESv2 REQUIRED)
+find_library(CANDELA_GLFW glfw REQUIRED)
 if(CANDELA_TESTS)
   # A second opinion on image files. SYSTEM so that its warnings stay its own.
   find_path(CANDELA_STB_INCLUDE stb_image.h PATH_SUFFIXES stb REQUIRED)

@@ -20,10 +20,10 @@ ALLOWED = {
     "io": {"scene", "image", "math", "base"},
     "path": {"scene", "shade", "image", "math", "base"},
     "ibl": {"scene", "shade", "image", "math", "base"},
-    "gl": {"base"},
+    "gl": {"math", "base"},
     "raster": {"gl", "ibl", "scene", "shade", "image", "math", "base"},
     "study": {"ibl", "path", "scene", "shade", "image", "math", "base"},
-    "candela": {"path", "io", "scene", "image", "math", "base"},
+    "candela": {"raster", "path", "io", "scene", "image", "math", "base"},
 }
 
 # Third-party headers by prefix, and the folders that wrap them. Only what is in PUBLIC may stand in a header of src/
@@ -32,6 +32,7 @@ THIRD_PARTY = {
     "CLI/": {"app"},
     "EGL/": {"gl"},
     "GL": {"gl"},
+    "GLFW/": {"gl"},
     "Imath": {"image"},
     "Imf": {"image"},
     "OpenEXR/": {"image"},

@@ -97,7 +97,15 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
                         {"unsupported", file.extensions_ignored},
                         {"required_unsupported", file.extensions_missing}};
   json["variants"] = file.variants;
-  json["animations"] = file.animations;
+  json["animations"] = file.animations.size();
+  json["animation_list"] = Json::array();
+  std::vector<std::string> animations;
+  for (const io::AnimationInfo& animation : file.animations) {
+    json["animation_list"].push_back(
+        {{"name", animation.name}, {"duration_s", animation.duration_s}, {"channels", animation.channels}});
+    animations.push_back(fmt::format("{}, {:.4g} s, {} {}", or_unnamed(animation.name), animation.duration_s,
+                                     animation.channels, animation.channels == 1 ? "channel" : "channels"));
+  }
   json["skins"] = file.skins;
   table.row("file size", bytes_text(file.file_bytes));
   if (!file.generator.empty()) table.row("generator", file.generator);
@@ -108,7 +116,7 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
     table.row("unsupported",
               fmt::format("{}: required, so the scene cannot be rendered", fmt::join(file.extensions_missing, " ")));
   }
-  if (file.animations > 0) table.row("animations", fmt::format("{}, shown at rest", file.animations));
+  if (!animations.empty()) list(table, "animations", animations);
   if (file.skins > 0) table.row("skins", fmt::format("{}", file.skins));
 }
 

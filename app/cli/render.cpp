@@ -40,7 +40,13 @@ class Stopwatch {
 
 /// Everything that is known before the first ray.
 struct Job {
-  Scene scene;
+  explicit Job(Asset opened) : asset(std::move(opened)) {}
+
+  Asset asset;
+  bool is_moving = false;         ///< an animation is shown
+  std::vector<double> moments_s;  ///< of each picture, from the animation's start
+  bool has_own_camera = false;    ///< which may move
+  Scene scene;                    ///< of the first picture
   Environment environment;
   std::vector<View> views;
   DevelopSettings develop;
@@ -76,6 +82,9 @@ raster::Settings raster_settings(const RenderOptions& o) {
   settings.shown_light = o.shown_light;
   if (o.keeps_cache) settings.cache = raster::default_cache();
   settings.shader_folder = o.shader_folder;
+  settings.ambient = o.ambient;
+  settings.has_soft_shadows = o.has_soft_shadows;
+  settings.light_radius = o.light_radius;
   return settings;
 }
 
@@ -179,19 +188,59 @@ struct Shared {
   }
 };
 
+/// The scene at a moment of its animation, or at rest.
+Scene scene_at(const RenderOptions& o, Job& job, double moment_s) {
+  std::optional<Pose> pose;
+  if (job.is_moving) pose = Pose{o.animation.value_or(""), moment_s};
+  Scene scene = job.asset.scene(pose);
+  if (o.light_falloff) set_falloff(*o.light_falloff, scene);
+  return scene;
+}
+
+/// The view of picture `index` in a scene of another moment.
+View view_at(const RenderOptions& o, const Job& job, const Scene& scene, std::size_t index) {
+  if (!job.has_own_camera) return job.views[std::min(index, job.views.size() - 1)];
+  std::string description;
+  View view = choose_view(o, scene, description);
+  set_lens(o, scene, view);
+  return view;
+}
+
+/// Whether something moves, and when each picture is taken.
+void choose_moments(const RenderOptions& o, Job& job, Diagnostics& diagnostics) {
+  const bool is_asked = o.frame_time_s || o.animation || o.shutter_s > 0.0 || o.sequence;
+  const bool is_animated = job.asset.is_animated();
+  if (is_asked && !is_animated && !o.animation) {
+    diagnostics.warn("nothing in it is animated: shown as it stands", o.scene);
+  }
+  job.is_moving = is_asked && (is_animated || o.animation);
+  const double first = o.frame_time_s.value_or(0.0);
+  job.moments_s.assign(static_cast<std::size_t>(o.turntable.value_or(1)), first);
+  if (!o.sequence) return;
+  const double length = std::max(job.asset.duration_s(o.animation.value_or("")) - first, 0.0);
+  job.moments_s.resize(static_cast<std::size_t>(*o.sequence));
+  for (std::size_t i = 0; i < job.moments_s.size(); ++i) {
+    job.moments_s[i] = first + length * static_cast<double>(i) / static_cast<double>(job.moments_s.size());
+  }
+}
+
 Job prepare(const RenderOptions& o, Shared& shared, Diagnostics& diagnostics) {
-  Job job;
-  job.scene = load(o.scene, &diagnostics, o.variant);
-  if (o.light_falloff) set_falloff(*o.light_falloff, job.scene);
+  Job job(Asset(o.scene, &diagnostics, o.variant));
+  choose_moments(o, job, diagnostics);
+  job.scene = scene_at(o, job, job.moments_s[0]);
   job.environment = shared.environment(o.environment.value_or(default_environment(job.scene)));
   job.environment.rotation += o.environment_rotation;
   job.environment.intensity *= o.environment_intensity;
   View view = choose_view(o, job.scene, job.camera);
   set_lens(o, job.scene, view);
+  const bool has_camera =
+      std::any_of(job.scene.nodes.begin(), job.scene.nodes.end(), [](const Node& n) { return n.camera >= 0; });
+  job.has_own_camera = has_camera && job.is_moving && !o.eye && !o.orbit && !o.turntable;
   job.views = all_around(view, o.target.value_or(subject_bounds(job.scene).center()), o.turntable.value_or(1));
   job.develop = default_develop(job.scene, job.environment);
   if (o.exposure) job.develop.exposure = *o.exposure;
   job.develop.tone_curve = o.tone_curve;
+  job.develop.bloom = o.bloom;
   if (raster::is_of_surface(o.quantity) || o.quantity == raster::Quantity::luminance ||
       o.quantity == raster::Quantity::non_finite) {
     // Numbers, not light: shown as they are.
@@ -203,7 +252,7 @@ Job prepare(const RenderOptions& o, Shared& shared, Diagnostics& diagnostics) {
   if (world_bounds(job.scene).empty()) diagnostics.warn("nothing in the scene has a mesh", o.scene);
   for (const fs::path output : o.outputs) {
     if (is_linear_format(output) && o.develop_given) {
-      diagnostics.warn("--exposure and --tonemap have no effect on linear radiance", output.string());
+      diagnostics.warn("--exposure, --tonemap and --bloom have no effect on linear radiance", output.string());
     }
     const bool keeps_alpha = has_extension(output, ".png") || has_extension(output, ".exr");
     if (o.background.kind == path::Background::transparent && !o.background.color && !keeps_alpha) {
@@ -337,13 +386,49 @@ std::string stats_json(const RenderOptions& o, const path::Statistics& s, const 
 std::vector<fs::path> outputs_of(const RenderOptions& o, std::size_t index) {
   std::vector<fs::path> paths;
   for (const std::string& output : o.outputs) {
-    paths.emplace_back(o.turntable ? frame_name(output, static_cast<int>(index)) : output);
+    paths.emplace_back(o.has_many_pictures() ? frame_name(output, static_cast<int>(index)) : output);
   }
   return paths;
 }
 
-Film trace(const RenderOptions& o, const Job& job, std::size_t index, ProgressLine& progress,
-           path::Statistics& statistics) {
+/// The mean of the moments while the shutter is open.
+Film trace_moving(const RenderOptions& o, Job& job, std::size_t index, const path::Callbacks& callbacks,
+                  path::Statistics& statistics) {
+  constexpr int kMostMoments = 32;
+  const int count = std::min(kMostMoments, o.settings.samples);
+  path::Settings settings = o.settings;
+  settings.samples = (settings.samples + count - 1) / count;
+  if (settings.time_limit_s) *settings.time_limit_s /= count;
+  if (settings.noise) *settings.noise *= std::sqrt(static_cast<float>(count));
+  Film mean;
+  double samples_per_pixel = 0.0;
+  for (int i = 0; i < count && !statistics.interrupted; ++i) {
+    path::Callbacks of_moment = callbacks;
+    of_moment.progress = [&](path::Progress p) {
+      p.fraction = (i + p.fraction) / count;
+      callbacks.progress(p);
+    };
+    of_moment.partial = nullptr;
+    const Scene scene = scene_at(o, job, job.moments_s[index] + o.shutter_s * (i + 0.5) / count);
+    path::Statistics one;
+    const Film film = render(scene, job.environment, view_at(o, job, scene, index), settings, &one, of_moment);
+    if (one.samples == 0) break;
+    accumulate(film, 1.0f, mean);
+    samples_per_pixel += one.mean_samples_per_pixel;
+    add(one, statistics);
+    ++settings.seed;
+    // Interrupted, the mean is that of the moments so far.
+    if (statistics.interrupted || i + 1 == count) {
+      Film sum = std::move(mean);
+      mean = {};
+      accumulate(sum, 1.0f / static_cast<float>(i + 1), mean);
+    }
+  }
+  statistics.mean_samples_per_pixel = samples_per_pixel;
+  return mean;
+}
+
+Film trace(const RenderOptions& o, Job& job, std::size_t index, ProgressLine& progress, path::Statistics& statistics) {
   PartialWriter partial(o, job, outputs_of(o, index), progress);
   double samples_per_pixel = 0.0;
   const Interrupt interrupt;
@@ -354,7 +439,15 @@ Film trace(const RenderOptions& o, const Job& job, std::size_t index, ProgressLi
   };
   callbacks.partial = [&](Film film) { partial(std::move(film), samples_per_pixel); };
   callbacks.stop = &Interrupt::requested();
-  Film film = render(job.scene, job.environment, job.views[index], o.settings, &statistics, callbacks);
+  Film film;
+  if (job.is_moving && o.shutter_s > 0.0) {
+    film = trace_moving(o, job, index, callbacks, statistics);
+  } else if (index > 0 && o.sequence) {
+    const Scene scene = scene_at(o, job, job.moments_s[index]);
+    film = render(scene, job.environment, view_at(o, job, scene, index), o.settings, &statistics, callbacks);
+  } else {
+    film = render(job.scene, job.environment, job.views[index], o.settings, &statistics, callbacks);
+  }
   if (statistics.samples == 0) throw Error("interrupted before the first sample: no picture", o.scene);
   return film;
 }
@@ -401,11 +494,11 @@ void write_stats(const RenderOptions& o, const std::string& json) {
 
 /// Pictures of a turntable have one exposure, that of the first: else they would flicker.
 void keep_exposure(const RenderOptions& o, const Film& film, DevelopSettings& develop) {
-  if (o.turntable && !develop.exposure) develop.exposure = metered_exposure(film);
+  if (o.has_many_pictures() && !develop.exposure) develop.exposure = metered_exposure(film);
 }
 
 /// Pictures by the rasterizer, from what is loaded to what is written.
-void draw(const RenderOptions& o, const Job& job, Shared& shared, Times& times, const Stopwatch& total,
+void draw(const RenderOptions& o, Job& job, Shared& shared, Times& times, const Stopwatch& total,
           Diagnostics& diagnostics, ProgressLine& progress) {
   progress.phase("drawing");
   raster::Statistics statistics;
@@ -417,9 +510,23 @@ void draw(const RenderOptions& o, const Job& job, Shared& shared, Times& times, 
     const Stopwatch writing;
     write_outputs(outputs_of(o, index), film, develop);
     times.write_s += writing.seconds();
-    progress.phase(fmt::format("drawing {} of {}", index + 1, job.views.size()));
+    progress.phase(fmt::format("drawing {} of {}", index + 1, job.moments_s.size()));
   };
-  shared.raster().draw(job.scene, job.environment, job.views, settings, diagnostics, take, &statistics);
+  Scene moved;
+  raster::MomentOf moment;
+  if (job.is_moving && (o.shutter_s > 0.0 || o.sequence)) {
+    moment = [&](std::size_t index, int frame) {
+      const double share = (frame + 0.5) / settings.frames;
+      moved = scene_at(o, job, job.moments_s[index] + (o.shutter_s > 0.0 ? o.shutter_s * share : 0.0));
+      return raster::Moment{&moved, view_at(o, job, moved, index)};
+    };
+  }
+  std::vector<View> views = job.views;
+  views.resize(job.moments_s.size(), views.back());
+  constexpr int kProbeSamples = 64;
+  if (o.probes > 0) progress.phase("tracing probes");
+  shared.raster().set_probes(bake_probes(job.scene, job.environment, o.probes, kProbeSamples));
+  shared.raster().draw(job.scene, job.environment, views, settings, diagnostics, take, &statistics, moment);
   times.total_s = total.seconds();
   if (statistics.non_finite_pixels > 0) {
     diagnostics.warn(fmt::format("{} pixels were not finite and are black", statistics.non_finite_pixels), o.scene);
@@ -433,11 +540,11 @@ void draw(const RenderOptions& o, const Job& job, Shared& shared, Times& times, 
 }
 
 /// Pictures by the path tracer.
-void trace_all(const RenderOptions& o, const Job& job, int threads, Times& times, const Stopwatch& total,
+void trace_all(const RenderOptions& o, Job& job, int threads, Times& times, const Stopwatch& total,
                Diagnostics& diagnostics, ProgressLine& progress) {
   path::Statistics statistics;
   DevelopSettings develop = job.develop;
-  for (std::size_t index = 0; index < job.views.size() && !statistics.interrupted; ++index) {
+  for (std::size_t index = 0; index < job.moments_s.size() && !statistics.interrupted; ++index) {
     progress.phase("building");
     path::Statistics of_picture;
     Film film = trace(o, job, index, progress, of_picture);
@@ -469,7 +576,7 @@ void render_scene(const RenderOptions& o, Shared& shared, int threads, ProgressL
   check_paths(o);
   progress.phase("loading " + o.scene);
   Diagnostics diagnostics;
-  const Job job = prepare(o, shared, diagnostics);
+  Job job = prepare(o, shared, diagnostics);
   Times times{.load_s = total.seconds()};
   report_warnings(o, diagnostics, 0, progress);
   const std::size_t reported = diagnostics.warnings().size();

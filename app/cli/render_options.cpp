@@ -47,6 +47,9 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--tonemap", "CURVE", o.tone_curve, parse_tone_curve,
             "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")
       ->group(group);
+  add_value(verb, "--bloom", "X", o.bloom, number_within(0.0f, 1.0f),
+            "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
+      ->group(group);
   add_value(verb, "--background", "env|transparent|COLOUR", o.background, parse_background,
             "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
       ->group(group);
@@ -118,6 +121,23 @@ void add_camera(CLI::App* verb, RenderOptions& o) {
   }
 }
 
+void add_time(CLI::App* verb, RenderOptions& o) {
+  const std::string group = "Time";
+  const auto text = [](const std::string& value) { return value; };
+  add_value(verb, "--frame-time", "1.5s", o.frame_time_s, parse_moment,
+            "The moment of the animation that is shown [the file at rest; 0s with the options below]")
+      ->group(group);
+  add_value(verb, "--animation", "NAME|INDEX|all", o.animation, text,
+            "Which of the file's animations, as candela info lists them; all: every one together [the first]")
+      ->group(group);
+  add_value(verb, "--shutter", "20ms", o.shutter_s, parse_duration,
+            "Motion blur: how long the picture is exposed while the scene moves [not at all]")
+      ->group(group);
+  add_value(verb, "--sequence", "N", o.sequence, count_within(1, 100000),
+            "N pictures over the animation from --frame-time to its end, into -o NAME%03d.png")
+      ->group(group);
+}
+
 void add_light(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Light";
   const auto text = [](const std::string& value) { return value; };
@@ -184,6 +204,18 @@ void add_raster(CLI::App* verb, RenderOptions& o) {
       verb, "--ao", "X", o.occlusion_radius, number_within(0.0f, 1.0f),
       "How far surfaces take the environment's light from each other, over the scene's size, e.g. 0.05 [0: not at all]")
       ->group(group);
+  verb->add_flag("--soft-shadows", o.has_soft_shadows,
+                 "Shadows of suns soften with the distance from what casts them (those of glowing surfaces always do)")
+      ->group(group);
+  add_value(verb, "--light-radius", "M", o.light_radius, number_within(0.0f, 1e6f),
+            "The same for points and spots, as if they were balls so large [0: hard]")
+      ->group(group);
+  add_value(verb, "--ambient", "KIND", o.ambient, parse_ambient,
+            "Light from far away: baked, or for comparison harmonics, mips, constant, none [baked]")
+      ->group(group);
+  add_value(verb, "--probes", "N", o.probes, count_within(0, 64),
+            "Light from within the scene, path traced at N places, in place of that from far away [0]")
+      ->group(group);
   verb->add_flag("!--no-cache", o.keeps_cache, "Bake the environment anew, and keep nothing of it")->group(group);
   const auto folder = [](const std::string& value) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
@@ -206,6 +238,8 @@ Examples:
   candela render helmet.glb -o logo.png --background transparent --exposure 1.5 --tonemap agx
   candela render helmet.glb -o frame.png --engine raster
   candela render helmet.glb -o frames/%03d.png --engine raster --turntable 48
+  candela render fox.glb -o run.png --animation Run --frame-time 0.4s --shutter 20ms
+  candela render fox.glb -o run/%03d.png --engine raster --animation Run --sequence 30
   candela render a.glb b.glb c.glb -o pictures/ --engine raster --size 256x256
   candela render city.gltf -o city.jpg --size 3840x2160 --time 10min --stats city.json
 
@@ -224,6 +258,7 @@ void check_batch(RenderOptions& o) {
   if (o.scenes.size() == 1 && !is_folder) return;
   if (!is_folder) throw UsageError("--output: of several scenes it is one folder: -o DIR/");
   if (o.turntable) throw UsageError("--turntable: one scene at a time");
+  if (o.sequence) throw UsageError("--sequence: one scene at a time");
   if (o.stats) throw UsageError("--stats: one scene at a time");
   if (!o.settings.layers.empty()) throw UsageError("--aov: only an .exr holds layers; give one scene and -o FILE.exr");
   o.is_batch = true;
@@ -232,9 +267,10 @@ void check_batch(RenderOptions& o) {
 void check_outputs(RenderOptions& o) {
   check_batch(o);
   if (o.is_batch) return;
-  if (o.outputs.empty()) o.outputs.push_back(default_stem(o.scene) + (o.turntable ? "-%03d.png" : ".png"));
+  if (o.turntable && o.sequence) throw UsageError("--sequence: not together with --turntable");
+  if (o.outputs.empty()) o.outputs.push_back(default_stem(o.scene) + (o.has_many_pictures() ? "-%03d.png" : ".png"));
   for (const std::string& output : o.outputs) {
-    if (o.turntable && !is_frame_pattern(output)) {
+    if (o.has_many_pictures() && !is_frame_pattern(output)) {
       throw UsageError("--output: " + output + " has no place for the number of a picture: NAME%03d.png");
     }
   }
@@ -268,7 +304,9 @@ void check_engine(const CLI::App& verb, const RenderOptions& o) {
   if (is_raster) {
     refuse({"--time", "--noise", "--bounces", "--seed", "--filter", "--integrator"}, "only for --engine path");
   } else {
-    refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao"}, "only for --engine raster");
+    refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao", "--soft-shadows", "--light-radius", "--ambient",
+            "--probes"},
+           "only for --engine raster");
   }
 }
 
@@ -287,6 +325,7 @@ CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
   add_picture(verb, options);
   add_sampling(verb, options);
   add_camera(verb, options);
+  add_time(verb, options);
   add_light(verb, options);
   add_running(verb, options);
   add_raster(verb, options);
@@ -301,15 +340,17 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   o.scene = o.scenes.front();
   check_engine(verb, o);
   constexpr int kDefaultSamples = 128;
-  constexpr int kDefaultFrames = 1;
+  constexpr int kBlurFrames = 32;
+  const int default_frames = o.shutter_s > 0.0 ? kBlurFrames : 1;
   const bool open_ended = o.settings.time_limit_s || o.settings.noise;
-  o.settings.samples = o.samples.value_or(o.engine == Engine::raster ? kDefaultFrames
+  o.settings.samples = o.samples.value_or(o.engine == Engine::raster ? default_frames
                                           : open_ended               ? kOpenEndedSamples
                                                                      : kDefaultSamples);
   o.settings.width = o.size.x;
   o.settings.height = o.size.y;
   o.settings.background = o.background.kind;
-  o.develop_given = verb.count("--exposure") + verb.count("--tonemap") > 0;
+  o.develop_given = verb.count("--exposure") + verb.count("--tonemap") + verb.count("--bloom") > 0;
+  if (o.light_radius > 0.0f) o.has_soft_shadows = true;
   o.focus_given = verb.count("--focus-distance") > 0;
 
   if (o.sun_elevation) {

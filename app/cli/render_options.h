@@ -23,6 +23,12 @@ struct RenderOptions {
   std::vector<std::string> outputs;  ///< with a turntable patterns of names; with several scenes one folder
   bool is_batch = false;             ///< a picture of each scene into outputs[0], a folder
   std::optional<int> turntable;      ///< pictures all around
+  std::optional<int> sequence;       ///< pictures over an animation
+  std::optional<std::string> animation;
+  std::optional<double> frame_time_s;
+  double shutter_s = 0.0;  ///< how long a picture is exposed while the scene moves
+
+  bool has_many_pictures() const { return turntable || sequence; }
   ivec2 size{1280, 720};
   std::optional<int> samples;
   path::Settings settings;
@@ -33,6 +39,11 @@ struct RenderOptions {
   raster::Quantity quantity = raster::Quantity::light;
   int shown_light = 0;
   float occlusion_radius = raster::Settings{}.occlusion_radius;
+  raster::Ambient ambient = raster::Ambient::baked;
+  bool has_soft_shadows = false;
+  float light_radius = 0.0f;
+  int probes = 0;
+  float bloom = 0.0f;
   std::string shader_folder;  ///< raster; empty = the shaders in the program
   int threads = 0;
 

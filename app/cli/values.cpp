@@ -92,13 +92,19 @@ ivec2 parse_size(const std::string& text) {
   return {parse_count(text.substr(0, cross), 1, kMostPixels), parse_count(text.substr(cross + 1), 1, kMostPixels)};
 }
 
-double parse_duration(const std::string& text) {
+double parse_moment(const std::string& text) {
   constexpr std::array<std::pair<std::string_view, double>, 6> kUnits{
       {{"", 1.0}, {"ms", 1e-3}, {"s", 1.0}, {"m", 60.0}, {"min", 60.0}, {"h", 3600.0}}};
   const auto [value, unit] = leading_number(text);
   const double seconds = value * one_of(std::string(unit), kUnits);
   constexpr double kLongest = 365.0 * 24.0 * 3600.0;
-  if (seconds <= 0.0 || seconds > kLongest) throw UsageError(fmt::format("'{}' is not a time above zero", text));
+  if (!(seconds >= 0.0 && seconds <= kLongest)) throw UsageError(fmt::format("'{}' is not a time", text));
+  return seconds;
+}
+
+double parse_duration(const std::string& text) {
+  const double seconds = parse_moment(text);
+  if (seconds <= 0.0) throw UsageError(fmt::format("'{}' is not a time above zero", text));
   return seconds;
 }
 
@@ -189,6 +195,13 @@ shade::ShadingModel parse_shading(const std::string& text) {
 Engine parse_engine(const std::string& text) {
   return one_of(
       text, std::array<std::pair<std::string_view, Engine>, 2>{{{"path", Engine::path}, {"raster", Engine::raster}}});
+}
+
+raster::Ambient parse_ambient(const std::string& text) {
+  using enum raster::Ambient;
+  return one_of(
+      text, std::array<std::pair<std::string_view, raster::Ambient>, 5>{
+                {{"baked", baked}, {"harmonics", harmonics}, {"mips", mips}, {"constant", constant}, {"none", none}}});
 }
 
 FalloffChoice parse_falloff(const std::string& text) {

@@ -8,6 +8,7 @@
 #include "image/film.h"
 #include "math/types.h"
 #include "path/render.h"
+#include "raster/image_light.h"
 #include "scene/view.h"
 
 /// What the text of an option means. Every function throws UsageError for a text that is not exactly that.
@@ -24,6 +25,7 @@ int parse_count(const std::string& text, int low, int high);
 
 ivec2 parse_size(const std::string& text);           ///< "1280x720"
 double parse_duration(const std::string& text);      ///< seconds from "30", "30s", "1.5m", "2h", "500ms"
+double parse_moment(const std::string& text);        ///< the same, 0 too
 float parse_angle(const std::string& text);          ///< radians from "45", "45deg", "0.8rad"
 float parse_field_of_view(const std::string& text);  ///< an angle between 0 and 180 degrees
 vec3 parse_vec3(const std::string& text);            ///< "x,y,z"
@@ -41,6 +43,7 @@ struct BackgroundChoice {
 BackgroundChoice parse_background(const std::string& text);
 enum class Engine { path, raster };
 Engine parse_engine(const std::string& text);
+raster::Ambient parse_ambient(const std::string& text);
 
 struct FalloffChoice {
   Falloff kind = Falloff::gltf;

@@ -1,20 +1,53 @@
 #include "candela/candela.h"
 
+#include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "io/demo.h"
-#include "io/gltf.h"
+#include "path/capture.h"
 
 namespace candela {
 
-Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant) {
-  constexpr std::string_view kDemo = "demo:";
-  if (path_or_demo.starts_with(kDemo)) {
-    if (!variant.empty()) throw Error("a built-in scene has no variants", path_or_demo);
-    return io::make_demo(path_or_demo.substr(kDemo.size()));
+namespace {
+
+constexpr std::string_view kDemo = "demo:";
+
+}  // namespace
+
+Asset::Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant)
+    : name_(path_or_demo), diagnostics_(diagnostics) {
+  if (!name_.starts_with(kDemo)) {
+    file_ = std::make_shared<io::GltfFile>(name_, diagnostics_ != nullptr ? *diagnostics_ : ignored_,
+                                           io::LoadOptions{.variant = variant});
+  } else if (!variant.empty()) {
+    throw Error("a built-in scene has no variants", name_);
   }
-  Diagnostics ignored;
-  return io::load_gltf(path_or_demo, diagnostics != nullptr ? *diagnostics : ignored, {.variant = variant});
+}
+
+Scene Asset::scene(const std::optional<Pose>& pose) {
+  if (file_ != nullptr) {
+    // What is odd about a file is said once, not at every moment.
+    Diagnostics* diagnostics = std::exchange(diagnostics_, nullptr);
+    return file_->scene(diagnostics != nullptr ? *diagnostics : ignored_, pose);
+  }
+  if (pose && !pose->animation.empty()) throw Error("a built-in scene has no animations", name_);
+  return io::make_demo(name_.substr(kDemo.size()));
+}
+
+bool Asset::is_animated() const { return file_ != nullptr && !file_->info().animations.empty(); }
+
+double Asset::duration_s(const std::string& animation) const {
+  double longest = 0.0;
+  if (file_ == nullptr) return longest;
+  for (const std::size_t index : file_->find_animations(animation)) {
+    longest = std::max<double>(longest, file_->info().animations[index].duration_s);
+  }
+  return longest;
+}
+
+Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant) {
+  return Asset(path_or_demo, diagnostics, variant).scene();
 }
 
 Box3 subject_bounds(const Scene& scene) {
@@ -45,6 +78,45 @@ DevelopSettings default_develop(const Scene& scene) {
 Film render(const Scene& scene, const path::Settings& settings) {
   const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
   return path::render(scene, make_environment(default_environment(scene)), default_view(scene, aspect), settings);
+}
+
+namespace {
+
+/// The middles of `count` boxes of about the same size that fill `bounds`: the longest is halved, again and again.
+std::vector<vec3> spread(const Box3& bounds, int count) {
+  std::vector<Box3> boxes = {bounds};
+  while (static_cast<int>(boxes.size()) < count) {
+    const auto longest = std::max_element(boxes.begin(), boxes.end(), [](const Box3& a, const Box3& b) {
+      return max_component(a.size()) < max_component(b.size());
+    });
+    const vec3 size = longest->size();
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    Box3 upper = *longest;
+    longest->upper[axis] = upper.lower[axis] = longest->center()[axis];
+    boxes.push_back(upper);
+  }
+  std::vector<vec3> middles;
+  for (const Box3& box : boxes) middles.push_back(box.center());
+  return middles;
+}
+
+}  // namespace
+
+std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples) {
+  constexpr int kSize = 64;
+  const Box3 bounds = subject_bounds(scene);
+  const bool wants_sheen = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                       [](const Material& m) { return max_component(m.sheen_color) > 0.0f; });
+  path::Settings settings;
+  settings.samples = samples;
+  settings.sees_lamps = false;
+  std::vector<raster::Probe> probes;
+  if (count <= 0) return probes;
+  for (const vec3& position : spread(bounds, count)) {
+    const Cubemap seen = path::capture_environment(scene, environment, position, kSize, settings);
+    probes.push_back({position, bounds, raster::bake_light(seen.levels[0], wants_sheen)});
+  }
+  return probes;
 }
 
 const char* version() { return CANDELA_VERSION; }

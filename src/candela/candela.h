@@ -1,13 +1,18 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "base/diagnostics.h"
 #include "base/error.h"
 #include "image/develop.h"
 #include "image/film.h"
+#include "io/gltf.h"
 #include "path/render.h"
+#include "raster/render.h"
 #include "scene/environment.h"
 #include "scene/scene.h"
 #include "scene/view.h"
@@ -22,6 +27,27 @@ namespace candela {
 /// Loads a .gltf/.glb, or a built-in scene by "demo:NAME". Throws Error. Warnings go to `diagnostics` when given.
 /// `variant` names one of the file's material variants; empty = its default look.
 Scene load(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr, const std::string& variant = {});
+
+using io::Pose;
+
+/// A scene that can be had at any moment of its animations; what does not move is read and decoded once.
+class Asset {
+ public:
+  /// As load().
+  explicit Asset(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr, const std::string& variant = {});
+
+  /// The scene at rest, or as an animation has it. A built-in scene has no animations: naming one throws Error.
+  Scene scene(const std::optional<Pose>& pose = std::nullopt);
+  /// Seconds that the animations of that name last, as Pose::animation names them; 0 where nothing moves.
+  double duration_s(const std::string& animation) const;
+  bool is_animated() const;
+
+ private:
+  std::string name_;
+  Diagnostics ignored_;
+  Diagnostics* diagnostics_;
+  std::shared_ptr<io::GltfFile> file_;  ///< null of a built-in scene
+};
 
 /// The view a user would expect without saying more: the file's first camera, else the whole subject in three-quarter
 /// view.
@@ -41,6 +67,10 @@ DevelopSettings default_develop(const Scene& scene);
 /// Renders with default_environment and default_view.
 Film render(const Scene& scene, const path::Settings& settings = {});
 using path::render;
+
+/// Light as it arrives at `count` places spread over a scene, path traced with `samples` per texel; lamps and suns are
+/// left out, which the rasterizer draws as lights of their own. For raster::Session::set_probes.
+std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples);
 
 /// "0.1.0"
 const char* version();

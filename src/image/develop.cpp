@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "image/bloom.h"
 #include "image/image_file.h"
 #include "shade/color.glsl.h"
 #include "shade/tonemap.glsl.h"
@@ -233,7 +234,8 @@ float metered_exposure(const Film& film) {
 }
 
 DisplayImage develop(const Film& film, const DevelopSettings& settings) {
-  const Image& beauty = film.beauty;
+  const Image scattered = settings.bloom > 0.0f ? bloomed(film.beauty, settings.bloom) : Image();
+  const Image& beauty = settings.bloom > 0.0f ? scattered : film.beauty;
   DisplayImage image;
   image.width = beauty.width;
   image.height = beauty.height;

@@ -22,6 +22,7 @@ struct DevelopSettings {
   /// Linear colour, 1 = display white, that shows where the film is transparent. It is no light: neither exposure nor
   /// tone curve touch it, so the colour that was asked for is the one in the file. Empty = the picture keeps its alpha.
   std::optional<vec3> background = {};
+  float bloom = 0.0f;  ///< share of the light that the lens scatters, see bloomed()
   bool dither = true;  ///< ±½ code value of deterministic noise before rounding to 8 bits
 };
 

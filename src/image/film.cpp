@@ -33,6 +33,25 @@ Layer parse_layer(std::string_view name) {
   throw Error("unknown layer \"" + std::string(name) + "\" (known: " + known + ")");
 }
 
+void accumulate(const Film& film, float share, Film& sum) {
+  const auto add = [share](const Image& from, Image& to) {
+    for (std::size_t i = 0; i < from.pixels.size(); ++i) to.pixels[i] += share * from.pixels[i];
+  };
+  if (sum.beauty.pixels.empty()) {
+    sum.beauty = Image(film.width(), film.height(), film.beauty.channels);
+    for (const auto& [layer, image] : film.layers) {
+      const bool has_mean = layer == Layer::albedo || layer == Layer::normal;
+      sum.layers[layer] = has_mean ? Image(image.width, image.height, image.channels) : image;
+    }
+    sum.metadata = film.metadata;
+  }
+  add(film.beauty, sum.beauty);
+  for (const Layer layer : {Layer::albedo, Layer::normal}) {
+    const auto found = film.layers.find(layer);
+    if (found != film.layers.end()) add(found->second, sum.layers.at(layer));
+  }
+}
+
 std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers) {
   std::uint64_t floats = 4;  // of the picture
   for (const Layer layer : layers) floats += layer == Layer::depth || layer == Layer::object_id ? 1 : 3;

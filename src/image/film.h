@@ -36,6 +36,10 @@ struct Film {
   int height() const { return beauty.height; }
 };
 
+/// Adds `share` of a film of the same size and layers to `sum`, an empty one at first. Depth, position and object id,
+/// which have no mean, stay those of the first.
+void accumulate(const Film& film, float share, Film& sum);
+
 /// Of the pixels of a film with these layers, the picture included.
 std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers);
 

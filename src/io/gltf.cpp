@@ -15,6 +15,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "io/gltf_animation.h"
 #include "io/gltf_lights.h"
 #include "io/gltf_material.h"
 #include "io/gltf_mesh.h"
@@ -28,6 +29,7 @@ namespace {
 
 constexpr auto kSupported = std::to_array<std::string_view>({
     "EXT_lights_ies",
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -108,7 +110,7 @@ FileInfo read_info(const JsonView& root, std::size_t file_bytes) {
   copy_unknown(info.extensions_used, info.extensions_ignored);
   copy_unknown(info.extensions_required, info.extensions_missing);
   info.variants = read_variants(root);
-  info.animations = static_cast<int>(count_of(root, "animations"));
+  info.animations = read_animation_list(root);
   info.skins = static_cast<int>(count_of(root, "skins"));
   info.file_bytes = file_bytes;
   return info;
@@ -126,7 +128,6 @@ void check_extensions(const JsonView& root, const FileInfo& info, bool refuse_un
     if (std::find(missing.begin(), missing.end(), name) != missing.end()) continue;
     warnings.warn(fmt::format("{} is not supported and will be ignored", name), root.at("extensionsUsed"));
   }
-  if (info.animations > 0) warnings.warn("animations are not supported yet: bind pose shown", root.at("animations"));
 }
 
 Camera read_camera(const JsonView& json) {
@@ -165,32 +166,40 @@ std::vector<float> read_weights(const JsonView& owner) {
   return weights ? weights->reals(weights->size()) : std::vector<float>();
 }
 
+/// What one scene of a file leaves to the next.
+struct Kept {
+  std::vector<std::shared_ptr<const TextureImage>> images;
+  std::map<MeshKey, Mesh> meshes;  ///< without a skin: the same wherever the nodes are
+};
+
 class Loader {
  public:
-  Loader(const GltfDocument& document, const UriReader& uris, const LoadOptions& options, std::size_t file_bytes,
-         Diagnostics& diagnostics)
+  Loader(const GltfDocument& document, const UriReader& uris, GltfBuffers& buffers, const LoadOptions& options,
+         std::size_t file_bytes, Diagnostics& diagnostics)
       : root_(document.root()),
         uris_(uris),
         options_(options),
         warnings_(diagnostics),
-        buffers_(document, uris),
+        buffers_(buffers),
         reader_(root_, buffers_, file_bytes) {}
 
-  Scene load(const FileInfo& info);
+  /// With `kept` what is there is not read again, and what may serve again is put there.
+  Scene load(const FileInfo& info, const std::optional<Pose>& pose, Kept* kept);
 
  private:
   void collect_meshes();
   void collect_materials();
-  void read_meshes_and_images();
+  void read_meshes_and_images(Kept* kept);
+  Mesh read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins);
   void place_nodes();
   void read_cameras_and_lights();
-  void check_extent(const FileNode& node, std::size_t file_index, const Box3& box) const;
+  void check_extent(const mat4& world_from_mesh, std::size_t file_index, const Box3& box) const;
 
   JsonView root_;
   const UriReader& uris_;
   const LoadOptions& options_;
   Warnings warnings_;
-  GltfBuffers buffers_;
+  GltfBuffers& buffers_;
   AccessorReader reader_;
   FileScene file_;
   std::optional<Variant> variant_;
@@ -209,7 +218,7 @@ void Loader::collect_meshes() {
     FileNode& node = file_.nodes[i];
     if (!node.in_scene || !node.mesh) continue;
     const JsonView mesh = root_.at("meshes")[*node.mesh];
-    std::vector<float> weights = read_weights(root_.at("nodes")[i]);
+    std::vector<float> weights = node.weights ? *node.weights : read_weights(root_.at("nodes")[i]);
     if (weights.empty()) {
       const auto [found, is_new] = default_weights.try_emplace(*node.mesh);
       if (is_new) found->second = read_weights(mesh);
@@ -249,8 +258,19 @@ void Loader::collect_materials() {
   scene_.textures = materials_.textures;
 }
 
+Mesh Loader::read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins) {
+  const auto& [mesh, weights, skin] = key;
+  MeshPose pose{weights, {}};
+  if (skin) {
+    const auto [found, is_new] = skins.try_emplace(*skin);
+    if (is_new) found->second = read_skin(root_.at("skins")[*skin], file_.nodes, reader_);
+    pose.joints = found->second;
+  }
+  return reader.read(root_.at("meshes")[mesh], pose);
+}
+
 /// Geometry is one task, each image another. Of several errors the geometry's, then the first image's is thrown.
-void Loader::read_meshes_and_images() {
+void Loader::read_meshes_and_images(Kept* kept) {
   const std::size_t image_count = materials_.images.size();
   scene_.images.resize(image_count);
   std::vector<std::exception_ptr> errors(image_count + 1);
@@ -260,14 +280,15 @@ void Loader::read_meshes_and_images() {
                       materials_.default_material, variant_);
     std::map<std::size_t, std::vector<mat4>> skins;
     for (const auto& entry : mesh_of_key_) {
-      const auto& [mesh, weights, skin] = entry.first;
-      MeshPose pose{weights, {}};
-      if (skin) {
-        const auto [found, is_new] = skins.try_emplace(*skin);
-        if (is_new) found->second = read_skin(root_.at("skins")[*skin], file_.nodes, reader_);
-        pose.joints = found->second;
+      const bool is_kept = kept != nullptr && !std::get<2>(entry.first);
+      const auto found = is_kept ? kept->meshes.find(entry.first) : std::map<MeshKey, Mesh>::iterator();
+      if (is_kept && found != kept->meshes.end()) {
+        scene_.meshes.push_back(found->second);
+        continue;
       }
-      scene_.meshes.push_back(reader.read(root_.at("meshes")[mesh], pose));
+      scene_.meshes.push_back(read_mesh(reader, entry.first, skins));
+      // What an animation morphs would be kept for every moment of it.
+      if (is_kept && std::get<1>(entry.first).empty()) kept->meshes.emplace(entry.first, scene_.meshes.back());
     }
     reader.report_ignored(root_);
   };
@@ -276,6 +297,8 @@ void Loader::read_meshes_and_images() {
       try {
         if (task == 0) {
           read_meshes();
+        } else if (kept != nullptr && !kept->images.empty()) {
+          scene_.images[task - 1] = kept->images[task - 1];
         } else {
           scene_.images[task - 1] = load_image(materials_.images[task - 1], uris_, options_.decode_images, texels);
         }
@@ -307,11 +330,11 @@ void Loader::read_cameras_and_lights() {
 }
 
 /// World coordinates obey the limit of a mesh's own.
-void Loader::check_extent(const FileNode& node, std::size_t file_index, const Box3& box) const {
+void Loader::check_extent(const mat4& world_from_mesh, std::size_t file_index, const Box3& box) const {
   for (int corner = 0; corner < 8; ++corner) {
     const vec3 p((corner & 1) != 0 ? box.upper.x : box.lower.x, (corner & 2) != 0 ? box.upper.y : box.lower.y,
                  (corner & 4) != 0 ? box.upper.z : box.lower.z);
-    const vec3 world = glm::abs(transform_point(node.world_from_node, p));
+    const vec3 world = glm::abs(transform_point(world_from_mesh, p));
     if (!(max_component(world) <= kLargestCoordinate)) {
       throw root_.at("nodes")[file_index].error(
           fmt::format("the mesh reaches beyond {:g} metres from the origin", kLargestCoordinate));
@@ -343,13 +366,24 @@ void Loader::place_nodes() {
     if (source.light) node.light = light_of_file_.at(*source.light);
     const auto mesh = mesh_of_node_[i];
     if (mesh && !scene_.meshes[*mesh].primitives.empty()) {
-      if (source.skin) {
+      const auto instancing = root_.at("nodes")[i].extension("EXT_mesh_gpu_instancing");
+      if (instancing) {
+        for (const mat4& node_from_instance : read_instances(*instancing, reader_)) {
+          Node instance;
+          instance.name = source.name;
+          instance.parent = node_of_file[i];
+          instance.parent_from_node = node_from_instance;
+          instance.mesh = static_cast<int>(*mesh);
+          check_extent(source.world_from_node * node_from_instance, i, boxes[*mesh]);
+          appended.push_back(std::move(instance));
+        }
+      } else if (source.skin) {
         Node posed;
         posed.name = source.name;
         posed.mesh = static_cast<int>(*mesh);
         appended.push_back(posed);
       } else {
-        check_extent(source, i, boxes[*mesh]);
+        check_extent(source.world_from_node, i, boxes[*mesh]);
         node.mesh = static_cast<int>(*mesh);
       }
     }
@@ -367,14 +401,20 @@ void Loader::place_nodes() {
   scene_.nodes.insert(scene_.nodes.end(), appended.begin(), appended.end());
 }
 
-Scene Loader::load(const FileInfo& info) {
+Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* kept) {
   check_extensions(root_, info, options_.refuse_unknown_required, warnings_);
   variant_ = find_variant(root_, info, options_.variant);
-  file_ = read_nodes(root_, warnings_);
+  file_ = read_nodes(root_, warnings_, [&](std::vector<FileNode>& nodes) {
+    if (!pose) return;
+    for (const std::size_t index : find_animations(root_, pose->animation)) {
+      pose_nodes(root_.at("animations")[index], pose->time_s, reader_, warnings_, nodes);
+    }
+  });
   scene_.name = file_.name;
   collect_meshes();
   collect_materials();
-  read_meshes_and_images();
+  read_meshes_and_images(kept);
+  if (kept != nullptr) kept->images = scene_.images;
   read_cameras_and_lights();
   place_nodes();
   update_world_transforms(scene_);
@@ -382,25 +422,62 @@ Scene Loader::load(const FileInfo& info) {
   return std::move(scene_);
 }
 
-Scene load(std::span<const std::byte> bytes, const fs::path& base_folder, std::string label, Diagnostics& diagnostics,
-           const LoadOptions& options, FileInfo* info) {
-  const GltfDocument document(bytes, std::move(label), diagnostics);
-  const FileInfo file_info = read_info(document.root(), bytes.size());
-  if (info) *info = file_info;
-  const UriReader uris(base_folder);
-  return Loader(document, uris, options, bytes.size(), diagnostics).load(file_info);
-}
+std::string folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path().string() : "."; }
 
 }  // namespace
+
+struct GltfFile::Parts {
+  std::vector<std::byte> bytes;
+  LoadOptions options;
+  GltfDocument document;
+  UriReader uris;
+  GltfBuffers buffers;
+  FileInfo info;
+  Kept kept;
+  std::string scene_name;  ///< where the file gives none
+
+  Parts(std::vector<std::byte> file, const fs::path& base_folder, std::string label, Diagnostics& diagnostics,
+        LoadOptions load_options)
+      : bytes(std::move(file)),
+        options(std::move(load_options)),
+        document(bytes, std::move(label), diagnostics),
+        uris(base_folder),
+        buffers(document, uris),
+        info(read_info(document.root(), bytes.size())) {}
+};
+
+GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, std::string label,
+                   Diagnostics& diagnostics, LoadOptions options, FileInfo* info)
+    : parts_(
+          std::make_unique<Parts>(std::move(bytes), base_folder, std::move(label), diagnostics, std::move(options))) {
+  if (info) *info = parts_->info;
+}
+
+GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info)
+    : GltfFile(read_file(path), folder_of(path), path.string(), diagnostics, std::move(options), info) {
+  parts_->scene_name = path.stem().string();
+}
+
+GltfFile::~GltfFile() = default;
+
+const FileInfo& GltfFile::info() const { return parts_->info; }
+
+std::vector<std::size_t> GltfFile::find_animations(const std::string& name) const {
+  return io::find_animations(parts_->document.root(), name);
+}
+
+Scene GltfFile::scene(Diagnostics& diagnostics, const std::optional<Pose>& pose) {
+  Parts& p = *parts_;
+  Loader loader(p.document, p.uris, p.buffers, p.options, p.bytes.size(), diagnostics);
+  Scene scene = loader.load(p.info, pose, &p.kept);
+  if (scene.name.empty()) scene.name = p.scene_name;
+  return scene;
+}
 
 Scene load_gltf(const fs::path& path, Diagnostics& diagnostics) { return load_gltf(path, diagnostics, LoadOptions()); }
 
 Scene load_gltf(const fs::path& path, Diagnostics& diagnostics, const LoadOptions& options, FileInfo* info) {
-  const std::vector<std::byte> bytes = read_file(path);
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  Scene scene = load(bytes, folder, path.string(), diagnostics, options, info);
-  if (scene.name.empty()) scene.name = path.stem().string();
-  return scene;
+  return GltfFile(path, diagnostics, options, info).scene(diagnostics);
 }
 
 Scene load_gltf(std::span<const std::byte> bytes, const fs::path& base_folder, Diagnostics& diagnostics) {
@@ -409,7 +486,8 @@ Scene load_gltf(std::span<const std::byte> bytes, const fs::path& base_folder, D
 
 Scene load_gltf(std::span<const std::byte> bytes, const fs::path& base_folder, Diagnostics& diagnostics,
                 const LoadOptions& options, FileInfo* info) {
-  return load(bytes, base_folder, "glTF in memory", diagnostics, options, info);
+  return GltfFile({bytes.begin(), bytes.end()}, base_folder, "glTF in memory", diagnostics, options, info)
+      .scene(diagnostics);
 }
 
 }  // namespace candela::io

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +24,20 @@ struct LoadOptions {
   bool refuse_unknown_required = true;
 };
 
+/// A moment of an animation.
+struct Pose {
+  /// A name or an index; "all" plays every one together; empty = the first, or none where the file has none. A name
+  /// that the file has not is an Error that lists those it has.
+  std::string animation = {};
+  double time_s = 0.0;  ///< since its start; beyond its end it stays there
+};
+
+struct AnimationInfo {
+  std::string name;
+  float duration_s = 0.0f;
+  int channels = 0;
+};
+
 /// What a file says about itself and the scene does not keep.
 struct FileInfo {
   std::string generator;
@@ -32,7 +48,7 @@ struct FileInfo {
   std::vector<std::string> extensions_ignored;  ///< used, but not supported
   std::vector<std::string> variants;            ///< names of KHR_materials_variants
   std::vector<std::string> extensions_missing;  ///< required, but not supported
-  int animations = 0;
+  std::vector<AnimationInfo> animations;
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself
 };
@@ -43,11 +59,14 @@ struct FileInfo {
 ///
 /// The scene is the file's default scene (else its first, else all root nodes). It holds what that scene uses and
 /// nothing else, renumbered without gaps in the file's order: other nodes, meshes, materials, images, cameras and
-/// lights are neither read nor decoded. Animations rest. Morph targets and skins are applied as the nodes stand (a mesh
+/// lights are neither read nor decoded. Morph targets and skins are applied as the nodes stand (a mesh
 /// appears once per pose); a skinned mesh, whose node's own transform glTF ignores, moves to a root node of the same
-/// name after the file's nodes; the IES light of a node that has a punctual one too becomes its child there. Triangles
-/// without an area and vertices without a triangle are dropped. Every uv set that a primitive's material reads is
-/// present, as zeros where the file has none. Coordinates stay within 1e9 metres.
+/// name after the file's nodes; so do the instances of EXT_mesh_gpu_instancing, as children; the IES light of a node
+/// that has a punctual one too becomes its child there. Triangles without an area and vertices without a triangle are
+/// dropped. Every uv set that a primitive's material reads is present, as zeros where the file has none. Coordinates
+/// stay within 1e9 metres.
+///
+/// Nodes stand as the file places them; GltfFile has them at any moment of its animations.
 Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
 Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics, const LoadOptions& options,
                 FileInfo* info = nullptr);
@@ -57,5 +76,29 @@ Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics, con
 Scene load_gltf(std::span<const std::byte> bytes, const std::filesystem::path& base_folder, Diagnostics& diagnostics);
 Scene load_gltf(std::span<const std::byte> bytes, const std::filesystem::path& base_folder, Diagnostics& diagnostics,
                 const LoadOptions& options, FileInfo* info = nullptr);
+
+/// A file kept open: its scene at any moment. What does not move is read and decoded once.
+class GltfFile {
+ public:
+  /// As load_gltf(); says in `info` what is known before the scene is read.
+  GltfFile(const std::filesystem::path& path, Diagnostics& diagnostics, LoadOptions options = {},
+           FileInfo* info = nullptr);
+  GltfFile(std::vector<std::byte> bytes, const std::filesystem::path& base_folder, std::string label,
+           Diagnostics& diagnostics, LoadOptions options = {}, FileInfo* info = nullptr);
+  ~GltfFile();
+  GltfFile(const GltfFile&) = delete;
+  GltfFile& operator=(const GltfFile&) = delete;
+
+  const FileInfo& info() const;
+  /// Indices into info().animations of what Pose::animation names; throws Error as there.
+  std::vector<std::size_t> find_animations(const std::string& name) const;
+  /// The scene as its nodes stand, or as an animation has them. Two scenes of one file have the same nodes, materials,
+  /// images, cameras and lights; their meshes differ where they are skinned or morphed.
+  Scene scene(Diagnostics& diagnostics, const std::optional<Pose>& pose = std::nullopt);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace candela::io

@@ -42,6 +42,7 @@ class MaterialReader {
   template <class V>
   V factors(const JsonView& json, const char* key, V fallback, float upper = 1.0f);
   TextureSlot slot(const JsonView& owner, const char* key);
+  std::optional<JsonView> own_extra(const char* name);
   /// A texture that a draft allows and no field of Material takes.
   void ignore_texture(const JsonView& owner, const char* key);
   /// An extension that describes reflection or transmission, unless another one excludes it.
@@ -59,6 +60,7 @@ class MaterialReader {
   void read_volume();
   void read_scattering();
   void read_conductor();
+  void read_height();
 
   const JsonView& root_;
   const JsonView& json_;
@@ -304,10 +306,26 @@ void MaterialReader::read_scattering() {
 }
 
 /// Extras may be anything: what has not our shape is not ours.
-void MaterialReader::read_conductor() {
+std::optional<JsonView> MaterialReader::own_extra(const char* name) {
   const auto extras = json_.find("extras");
   const auto own = extras && extras->is_object() ? extras->find("candela") : std::nullopt;
-  const auto name = own && own->is_object() ? own->find("conductor") : std::nullopt;
+  return own && own->is_object() ? own->find(name) : std::nullopt;
+}
+
+void MaterialReader::read_height() {
+  const auto height = own_extra("heightTexture");
+  if (!height) return;
+  material_.height_scale = factor(*height, "scale", 0.0f, 0.0f, 1e6f);
+  material_.height_level = factor(*height, "level", 1.0f, 0.0f, 1.0f);
+  if (material_.height_scale <= 0.0f) {
+    warn("extras.candela.heightTexture has no scale above 0 and is ignored", *height);
+  } else {
+    material_.height_texture = slot(*json_.find("extras")->find("candela"), "heightTexture");
+  }
+}
+
+void MaterialReader::read_conductor() {
+  const auto name = own_extra("conductor");
   if (!name) return;
   if (winner_ != nullptr) {
     warn(fmt::format("extras.candela.conductor is ignored beside {}", winner_), *name);
@@ -338,6 +356,7 @@ Material MaterialReader::read() {
   read_volume();
   read_scattering();
   read_conductor();
+  read_height();
   return material_;
 }
 

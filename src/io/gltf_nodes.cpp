@@ -47,19 +47,25 @@ quat read_rotation(const JsonView& json, Warnings& warnings) {
   return quat(unit(3), unit(0), unit(1), unit(2));
 }
 
-mat4 read_transform(const JsonView& json, Warnings& warnings) {
+void read_transform(const JsonView& json, Warnings& warnings, FileNode& node) {
   if (const auto matrix = json.find("matrix")) {
     for (const char* key : {"translation", "rotation", "scale"}) {
       if (json.find(key))
         warnings.warn("a node has both a matrix and a translation, rotation or scale; the matrix counts", json);
     }
-    return read_matrix(*matrix, warnings);
+    node.has_matrix = true;
+    node.parent_from_node = read_matrix(*matrix, warnings);
+    return;
   }
-  const vec3 scale = json.vector_or("scale", vec3(1));
-  const auto rotation = json.find("rotation");
-  mat4 result = rotation ? glm::mat4_cast(read_rotation(*rotation, warnings)) : mat4(1.0f);
+  node.scale = json.vector_or("scale", vec3(1));
+  if (const auto rotation = json.find("rotation")) node.rotation = read_rotation(*rotation, warnings);
+  node.translation = json.vector_or("translation", vec3(0));
+}
+
+mat4 compose(vec3 translation, quat rotation, vec3 scale) {
+  mat4 result = glm::mat4_cast(rotation);
   for (int i = 0; i < 3; ++i) result[i] *= scale[i];
-  result[3] = vec4(json.vector_or("translation", vec3(0)), 1);
+  result[3] = vec4(translation, 1);
   return result;
 }
 
@@ -84,7 +90,7 @@ IesUse read_ies_use(const JsonView& json, std::size_t profiles, Warnings& warnin
 FileNode read_node(const JsonView& json, const Counts& counts, Warnings& warnings) {
   FileNode node;
   node.name = json.string_or("name");
-  node.parent_from_node = read_transform(json, warnings);
+  read_transform(json, warnings, node);
   node.mesh = json.index_of("mesh", counts.meshes, "mesh");
   node.skin = json.index_of("skin", counts.skins, "skin");
   node.camera = json.index_of("camera", counts.cameras, "camera");
@@ -157,7 +163,8 @@ std::vector<std::size_t> scene_roots(const JsonView& root, FileScene& scene) {
 
 }  // namespace
 
-FileScene read_nodes(const JsonView& root, Warnings& warnings) {
+FileScene read_nodes(const JsonView& root, Warnings& warnings,
+                     const std::function<void(std::vector<FileNode>&)>& pose) {
   FileScene scene;
   const auto lights = root.extension("KHR_lights_punctual");
   const auto profiles = root.extension("EXT_lights_ies");
@@ -167,6 +174,10 @@ FileScene read_nodes(const JsonView& root, Warnings& warnings) {
     const std::size_t count = nodes_json->size();
     for (std::size_t i = 0; i < count; ++i) scene.nodes.push_back(read_node((*nodes_json)[i], counts, warnings));
     link_children(*nodes_json, scene.nodes);
+    if (pose) pose(scene.nodes);
+    for (FileNode& node : scene.nodes) {
+      if (!node.has_matrix) node.parent_from_node = compose(node.translation, node.rotation, node.scale);
+    }
     compute_world(*nodes_json, scene.nodes);
   }
   std::vector<std::size_t> stack = scene_roots(root, scene);
@@ -178,6 +189,38 @@ FileScene read_nodes(const JsonView& root, Warnings& warnings) {
     stack.insert(stack.end(), node.children.begin(), node.children.end());
   }
   return scene;
+}
+
+std::vector<mat4> read_instances(const JsonView& extension, AccessorReader& reader) {
+  const JsonView attributes = extension.at("attributes");
+  std::optional<std::size_t> count;
+  const auto open = [&](const char* name, const char* type) -> std::optional<Accessor> {
+    const auto reference = attributes.find(name);
+    if (!reference) return std::nullopt;
+    Accessor accessor = reader.open(*reference, {type});
+    if (count.value_or(accessor.count) != accessor.count) {
+      throw reference->error(fmt::format("has {} elements, but others have {}", accessor.count, *count));
+    }
+    count = accessor.count;
+    return accessor;
+  };
+  const auto translations = open("TRANSLATION", "VEC3"), rotations = open("ROTATION", "VEC4"),
+             scales = open("SCALE", "VEC3");
+  if (!count) throw attributes.error("none of TRANSLATION, ROTATION and SCALE is there");
+  // Beside the matrix the node of the scene.
+  reader.charge(std::uint64_t{*count} * 4 * sizeof(mat4), extension);
+  std::vector<vec3> t(*count, vec3(0)), s(*count, vec3(1));
+  std::vector<vec4> r(*count, vec4(0, 0, 0, 1));
+  if (translations) t = reader.read_as<vec3>(*translations);
+  if (rotations) r = reader.read_as<vec4>(*rotations);
+  if (scales) s = reader.read_as<vec3>(*scales);
+  std::vector<mat4> result(*count);
+  for (std::size_t i = 0; i < *count; ++i) {
+    const float length = glm::length(r[i]);
+    const vec4 q = length > 0 ? r[i] / length : vec4(0, 0, 0, 1);
+    result[i] = compose(t[i], quat(q.w, q.x, q.y, q.z), s[i]);
+  }
+  return result;
 }
 
 }  // namespace candela::io

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "io/gltf_accessor.h"
 #include "io/gltf_warnings.h"
 #include "math/types.h"
 
@@ -18,6 +20,11 @@ struct IesUse {
 
 struct FileNode {
   std::string name;
+  bool has_matrix = false;  ///< in place of the three that an animation can move
+  vec3 translation{0.0f};
+  quat rotation{1, 0, 0, 0};
+  vec3 scale{1.0f};
+  std::optional<std::vector<float>> weights;  ///< of morph targets, where an animation sets them
   mat4 parent_from_node{1.0f};
   mat4 world_from_node{1.0f};
   std::optional<std::size_t> parent;
@@ -35,7 +42,12 @@ struct FileScene {
   std::vector<FileNode> nodes;  ///< all of the file, in its order
 };
 
-/// Reads the node hierarchy, checks that it is a forest, and marks what the default scene reaches.
-FileScene read_nodes(const JsonView& root, Warnings& warnings);
+/// Reads the node hierarchy, checks that it is a forest, and marks what the default scene reaches. `pose` may move
+/// nodes before anything is derived from where they are.
+FileScene read_nodes(const JsonView& root, Warnings& warnings,
+                     const std::function<void(std::vector<FileNode>&)>& pose = {});
+
+/// EXT_mesh_gpu_instancing of a node: node from mesh, one for each instance.
+std::vector<mat4> read_instances(const JsonView& extension, AccessorReader& reader);
 
 }  // namespace candela::io

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "math/hash.h"
+#include "path/displacement.h"
 #include "path/embree.h"
 #include "path/surface_point.h"
 #include "scene/surface_params.h"
@@ -85,8 +86,10 @@ GeometryHandle make_triangles(RTCDevice device, MeshData& mesh) {
   return geometry;
 }
 
-std::unique_ptr<MeshData> make_mesh(const Primitive& primitive, const MaterialData& material,
-                                    const Placement* to_world) {
+std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& material, const Placement* to_world) {
+  Primitive relief;
+  if (material.height) relief = displaced(flat, material.factors, material.height);
+  const Primitive& primitive = material.height ? relief : flat;
   auto mesh = std::make_unique<MeshData>();
   mesh->material = &material;
   mesh->triangles = primitive.triangles;
@@ -182,6 +185,7 @@ MaterialData::MaterialData(const Scene& scene, const Material& material, const s
       transmission(scene, material.transmission_texture, Encoding::data),
       diffuse_transmission(scene, material.diffuse_transmission_texture, Encoding::data),
       diffuse_transmission_color(scene, material.diffuse_transmission_color_texture, Encoding::srgb),
+      height(scene, material.height_texture, Encoding::data),
       medium(make_medium(material)) {
   needs_opacity = material.alpha_mode != AlphaMode::opaque;
   is_emissive = max_component(material.emission) > 0.0f && !material.unlit;
@@ -279,7 +283,7 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
         in_world.is_world = true;
         impl_->placement_of_geometry.push_back(static_cast<int>(placements_.size()));
         placements_.push_back(in_world);
-        triangle_count_ += primitive.triangles.size();
+        triangle_count_ += meshes_.back()->triangles.size();
         impl_->attach(impl_->scene.get(), make_triangles(impl_->device.get(), *meshes_.back()), next_geometry++);
       }
       continue;
@@ -295,7 +299,7 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
         impl_->attach(tree.scene.get(), make_triangles(impl_->device.get(), *meshes_.back()),
                       static_cast<unsigned>(tree.meshes.size()));
         tree.meshes.push_back(meshes_.back().get());
-        triangle_count_ += primitive.triangles.size();
+        triangle_count_ += meshes_.back()->triangles.size();
       }
       rtcCommitScene(tree.scene.get());
     }

@@ -18,6 +18,7 @@ struct MaterialData {
   TextureReader base_color, metallic_roughness, normal, emissive, specular, specular_color, specular_glossiness;
   TextureReader clearcoat, clearcoat_roughness, clearcoat_normal, sheen_color, sheen_roughness, anisotropy;
   TextureReader iridescence, iridescence_thickness, transmission, diffuse_transmission, diffuse_transmission_color;
+  TextureReader height;
   Medium medium;
   bool needs_opacity = false;   ///< mask or blend that can let light through
   bool is_clear_sheet = false;  ///< may let shadow rays straight through

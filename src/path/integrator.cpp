@@ -14,8 +14,11 @@ constexpr int kMostPassed = 64;  // surfaces in a row that do not turn light
 PathSample background_sample(const PathContext& context, vec3 direction) {
   PathSample sample;
   sample.albedo = vec3(1.0f);
-  if (context.background == Background::environment) {
-    sample.radiance = context.lights.environment().background(direction);
+  const EnvironmentLight& environment = context.lights.environment();
+  if (!context.sees_lamps) {
+    sample.radiance = environment.read(environment.locate(direction)).radiance;
+  } else if (context.background == Background::environment) {
+    sample.radiance = environment.background(direction);
   } else {
     sample.alpha = 0.0f;
   }
@@ -100,6 +103,10 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
   int passed = 0;
   for (int depth = 0;; ++depth) {
     // ----- the ray left the scene
+    if (!hit && depth == 0 && !context.sees_lamps) {
+      sample.radiance += walk.throughput * context.lights.environment().read(sky).radiance;
+      break;
+    }
     if (!hit) {
       sample.radiance += walk.throughput * (bsdf_pdf > 0.0f && context.lights.can_sample()
                                                 ? context.lights.escaped_radiance(ray.direction, sky, bsdf_pdf, chances)
@@ -124,7 +131,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     vec3 direction = ray.direction;
     bool is_straight = crossing.is_hidden;
     if (!crossing.is_hidden) {
-      if (max_component(point.emission) > 0.0f) {
+      if (max_component(point.emission) > 0.0f && (depth > 0 || context.sees_lamps)) {
         const float weight =
             point.is_unlit ? 1.0f : emission_weight(context, hit, point, ray, drawn_at, bsdf_pdf, chances);
         sample.radiance += walk.throughput * point.emission * weight;

@@ -12,6 +12,7 @@ struct PathContext {
   const Lights& lights;
   int bounces = 8;
   Background background = Background::environment;
+  bool sees_lamps = true;
   bool has_media = true;  ///< whether any material bounds a body; false leaves out what only bodies need
 };
 

@@ -40,7 +40,7 @@ class Job {
       : settings_(settings),
         geometry_(scene, settings.shading),
         lights_(scene, environment, geometry_),
-        context_{geometry_, lights_, settings.bounces, settings.background, geometry_.has_media()},
+        context_{geometry_, lights_, settings.bounces, settings.background, settings.sees_lamps, geometry_.has_media()},
         camera_(view, settings.width, settings.height),
         pinhole_(without_lens(view), settings.width, settings.height),
         filter_(settings.filter, settings.filter_radius),

@@ -35,6 +35,9 @@ struct Settings {
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
   Integrator integrator = Integrator::full;
   Background background = Background::environment;
+  /// False: what camera rays see is lit by lamps and suns, but they are not in the picture (for probes, beside which
+  /// lamps light on their own).
+  bool sees_lamps = true;
   shade::ShadingModel shading = shade::shading_model_candela();
   std::set<Layer> layers{};
 };

@@ -11,6 +11,7 @@ namespace candela::raster {
 
 inline constexpr int kMostLights = 32;
 inline constexpr int kMostShadows = 32;
+inline constexpr int kMostAreas = 8;
 inline constexpr std::size_t kSlots = std::tuple_size_v<decltype(texture_slots(std::declval<Material&>()))>;
 
 struct FrameBlock {
@@ -19,6 +20,7 @@ struct FrameBlock {
   vec4 back{0.0f};
   vec4 light{0.0f};
   vec4 target{0.0f};
+  vec4 soft{0.0f};
   glm::ivec4 counts{0};
 };
 
@@ -36,6 +38,9 @@ struct MaterialBlock {
   vec4 below_color{0.0f};
   vec4 conductor_n{0.0f};
   vec4 conductor_k{0.0f};
+  vec4 scatter{0.0f};
+  vec4 scatter_color{0.0f};
+  vec4 relief{0.0f};
   std::array<vec4, 2 * kSlots> uv_transform{};
 };
 
@@ -48,10 +53,17 @@ struct LightEntry {
   vec4 across{0.0f};
 };
 
+struct AreaEntry {
+  std::array<vec4, 4> corners{};
+  vec4 color{0.0f};
+  vec4 shape{0.0f};
+};
+
 struct LightsBlock {
   std::array<LightEntry, kMostLights> lights{};
   std::array<mat4, kMostShadows> shadow_from_world{};
   std::array<vec4, kMostShadows> shadow_texel{};
+  std::array<AreaEntry, kMostAreas> areas{};
 };
 
 /// Binding points of the blocks, the same in every program.

@@ -48,6 +48,12 @@ std::vector<Vertex> interleave(const Primitive& p) {
   return vertices;
 }
 
+/// Whether light that enters comes back out near by: a body whose scattering hides what is behind it.
+bool is_scattering(const Material& m) {
+  return m.has_volume() && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f) && !m.unlit &&
+         max_component(m.multiscatter_color) > 0.0f && max_component(volume_extinction(m)) > 0.0f;
+}
+
 MaterialBlock make_block(const Material& m) {
   MaterialBlock b;
   b.base_color = vec4(m.base_color, m.opacity);
@@ -63,6 +69,17 @@ MaterialBlock make_block(const Material& m) {
   b.below_color = vec4(m.diffuse_transmission_color, 0.0f);
   b.conductor_n = vec4(m.conductor_n, 0.0f);
   b.conductor_k = vec4(m.conductor_k, 0.0f);
+  b.relief = {m.height_scale, m.height_level, 0.0f, 0.0f};
+  if (is_scattering(m)) {
+    // The mean free path, for each colour; Christensen & Burley 2015, "Approximate Reflectance Profiles for Efficient
+    // Subsurface Scattering", eq. 3 and 6, say how wide it spreads.
+    const vec3 extinction = volume_extinction(m);
+    for (int c = 0; c < 3; ++c) {
+      const float a = m.multiscatter_color[c];
+      b.scatter[c] = 1.0f / (std::max(extinction[c], 1e-6f) * (1.85f - a + 7.0f * std::pow(std::abs(a - 0.8f), 3.0f)));
+    }
+    b.scatter_color = vec4(m.multiscatter_color, 0.0f);
+  }
   const auto slots = texture_slots(m);
   for (std::size_t i = 0; i < kSlots; ++i) {
     const auto& t = slots[i]->transform;
@@ -134,6 +151,7 @@ MaterialKey make_key(const Material& m, const shade::ShadingModel& model) {
   key.is_specular_glossiness = m.specular_glossiness;
   key.alpha_mode = m.alpha_mode;
   key.has_body = m.transmission > 0.0f && m.has_volume();
+  key.is_scattering = is_scattering(m);
   key.emissive = max_component(m.emission) <= 0.0f ? 0 : m.double_sided ? 2 : 1;
   const auto slots = texture_slots(m);
   key.is_plain_uv = std::all_of(slots.begin(), slots.end(), [](const TextureSlot* s) { return is_plain(*s); });
@@ -142,10 +160,21 @@ MaterialKey make_key(const Material& m, const shade::ShadingModel& model) {
 
 }  // namespace
 
-bool GpuMaterial::is_transmissive() const { return (key.lobes & shade::kLobeTransmission) != 0 && !key.is_unlit; }
+bool GpuMaterial::is_transmissive() const {
+  return (key.lobes & shade::kLobeTransmission) != 0 && !key.is_unlit && !key.is_scattering;
+}
 
 GpuScene::GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
   add_materials(scene, model, diagnostics);
+  set_geometry(scene);
+}
+
+void GpuScene::set_geometry(const Scene& scene) {
+  primitives_.clear();
+  first_primitive_.clear();
+  draws_.clear();
+  bounds_ = {};
+  triangle_count_ = 0;
   for (const Mesh& mesh : scene.meshes) {
     first_primitive_.push_back(primitives_.size());
     add_mesh(mesh);
@@ -252,17 +281,16 @@ GLuint GpuScene::sampler_for(const Texture& texture) {
 }
 
 void GpuScene::add_draws(const Scene& scene) {
-  std::vector<std::array<vec4, 3>> rows;
   for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
     const Node& node = scene.nodes[n];
     if (node.mesh < 0) continue;
     const auto mesh = static_cast<std::size_t>(node.mesh);
-    const mat4 transposed = glm::transpose(node.world_from_node);
     for (std::size_t p = first_primitive_[mesh]; p < first_primitive_[mesh + 1]; ++p) {
       if (primitives_[p].index_count == 0) continue;
       Draw draw;
       draw.primitive = static_cast<int>(p);
       draw.node = static_cast<int>(n);
+      draw.part = p - first_primitive_[mesh];
       draw.is_mirrored = glm::determinant(mat3(node.world_from_node)) < 0.0f;
       const Box3& b = primitives_[p].bounds;
       for (int i = 0; i < 8; ++i) {
@@ -274,8 +302,16 @@ void GpuScene::add_draws(const Scene& scene) {
       bounds_.extend(draw.bounds);
       triangle_count_ += static_cast<std::uint64_t>(primitives_[p].index_count) / 3;
       draws_.push_back(draw);
-      rows.push_back({transposed[0], transposed[1], transposed[2]});
     }
+  }
+  std::stable_sort(draws_.begin(), draws_.end(), [](const Draw& a, const Draw& b) {
+    return std::pair(a.primitive, a.is_mirrored) < std::pair(b.primitive, b.is_mirrored);
+  });
+  std::vector<std::array<vec4, 3>> rows;
+  rows.reserve(draws_.size());
+  for (const Draw& draw : draws_) {
+    const mat4 transposed = glm::transpose(scene.nodes[static_cast<std::size_t>(draw.node)].world_from_node);
+    rows.push_back({transposed[0], transposed[1], transposed[2]});
   }
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(rows.size() * sizeof(rows[0])), rows.data(), GL_STATIC_DRAW);
@@ -286,6 +322,10 @@ bool GpuScene::has_lobe(int lobe) const {
     const MaterialKey& key = material_of(d).key;
     return (key.lobes & lobe) != 0 && !key.is_unlit;
   });
+}
+
+bool GpuScene::has_scattering() const {
+  return std::any_of(draws_.begin(), draws_.end(), [&](const Draw& d) { return material_of(d).key.is_scattering; });
 }
 
 void GpuScene::bind_material(const GpuMaterial& material) const {
@@ -308,17 +348,17 @@ void GpuScene::bind_mask(const GpuMaterial& material) const {
   glBindSampler(first_slot_unit, material.samplers[0]);
 }
 
-void GpuScene::draw(std::size_t index) const {
-  const Draw& d = draws_[index];
+void GpuScene::draw(std::size_t first, std::size_t count) const {
+  const Draw& d = draws_[first];
   const GpuPrimitive& p = primitives_[static_cast<std::size_t>(d.primitive)];
   glBindVertexArray(p.attributes);
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
   for (GLuint row = 0; row < 3; ++row) {
-    attribute(5 + row, 4, index * sizeof(std::array<vec4, 3>) + row * sizeof(vec4), sizeof(std::array<vec4, 3>));
+    attribute(5 + row, 4, first * sizeof(std::array<vec4, 3>) + row * sizeof(vec4), sizeof(std::array<vec4, 3>));
     glVertexAttribDivisor(5 + row, 1);
   }
   glFrontFace(d.is_mirrored ? GL_CW : GL_CCW);
-  glDrawElementsInstanced(GL_TRIANGLES, p.index_count, GL_UNSIGNED_INT, nullptr, 1);
+  glDrawElementsInstanced(GL_TRIANGLES, p.index_count, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(count));
 }
 
 }  // namespace candela::raster

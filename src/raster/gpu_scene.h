@@ -36,6 +36,7 @@ struct GpuMaterial {
 struct Draw {
   int primitive = 0;
   int node = 0;
+  std::size_t part = 0;  ///< which primitive of the node's mesh
   bool is_mirrored = false;
   Box3 bounds;  ///< in the world
   vec3 center{0.0f};
@@ -47,21 +48,29 @@ class GpuScene {
   /// Warns of what the driver cannot hold as it is.
   GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
 
+  /// Geometry of another moment of the same scene.
+  void set_geometry(const Scene& scene);
+
   const std::vector<GpuPrimitive>& primitives() const { return primitives_; }
   const GpuMaterial& material_of(const Draw& draw) const {
     return materials_[static_cast<std::size_t>(primitives_[static_cast<std::size_t>(draw.primitive)].material)];
   }
+  /// Those of one primitive and side stand beside each other.
   const std::vector<Draw>& draws() const { return draws_; }
   const Box3& bounds() const { return bounds_; }
   bool has_lobe(int lobe) const;
+  bool has_scattering() const;
   std::uint64_t triangle_count() const { return triangle_count_; }
 
   /// Binds block and textures of a material to a program of its key.
   void bind_material(const GpuMaterial& material) const;
   /// Binds the base colour alone, as a depth program of a mask reads it.
   void bind_mask(const GpuMaterial& material) const;
-  /// Draws one primitive of one node with the program in use.
-  void draw(std::size_t index) const;
+  /// Draws `count` neighbours in draws(), all of one primitive and side, with the program in use.
+  void draw(std::size_t first, std::size_t count = 1) const;
+  bool are_alike(std::size_t a, std::size_t b) const {
+    return draws_[a].primitive == draws_[b].primitive && draws_[a].is_mirrored == draws_[b].is_mirrored;
+  }
 
  private:
   void add_mesh(const Mesh& mesh);

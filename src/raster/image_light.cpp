@@ -9,6 +9,8 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "ibl/bake.h"
+#include "ibl/cube.h"
+#include "ibl/sh.h"
 #include "image/texel.h"
 #include "image/texture_file.h"
 #include "math/hash.h"
@@ -142,6 +144,111 @@ BakedLight bake_light(const Environment& environment, bool wants_sheen, const st
   light.irradiance = std::move(bake.irradiance);
   // A plain colour is faster made than read.
   if (!cache.empty() && environment.map != nullptr) write_cached(files, light);
+  return light;
+}
+
+BakedLight bake_light(const CubeFaces& cube, bool wants_sheen) {
+  ibl::BakeSettings settings;
+  settings.size = cube[0].width;
+  settings.levels = 2;
+  while (settings.size >> settings.levels >= 8 && settings.levels < 7) ++settings.levels;
+  settings.irradiance_size = std::min(kIrradianceSize, settings.size);
+  settings.sheen = wants_sheen;
+  settings.proof_directions = 0;
+  ibl::Bake bake = ibl::bake(ibl::make_source(cube), settings);
+  return {std::move(bake.specular), std::move(bake.sheen), std::move(bake.irradiance), false};
+}
+
+namespace {
+
+void scale(CubeFaces& faces, float factor) {
+  for (Image& face : faces) {
+    for (float& v : face.pixels) v *= factor;
+  }
+}
+
+/// Calls f with each texel's values, its direction and its solid angle.
+template <class F>
+void over_texels(CubeFaces& faces, const F& f) {
+  const int size = faces[0].width;
+  for (int face = 0; face < 6; ++face) {
+    for (int y = 0; y < size; ++y) {
+      for (int x = 0; x < size; ++x) {
+        f(faces[static_cast<std::size_t>(face)].at(x, y), ibl::cube_texel_direction(face, x, y, size),
+          cube_texel_solid_angle(size, x, y));
+      }
+    }
+  }
+}
+
+/// What nine harmonics keep of a function on the sphere.
+void keep_nine_harmonics(CubeFaces& faces) {
+  std::array<dvec3, 9> coefficients{};
+  over_texels(faces, [&](std::span<float> value, dvec3 direction, double solid_angle) {
+    const std::vector<double> basis = ibl::sh_basis(2, direction);
+    for (std::size_t i = 0; i < 9; ++i) {
+      coefficients[i] += basis[i] * solid_angle * dvec3(value[0], value[1], value[2]);
+    }
+  });
+  over_texels(faces, [&](std::span<float> value, dvec3 direction, double) {
+    const std::vector<double> basis = ibl::sh_basis(2, direction);
+    dvec3 sum(0);
+    for (std::size_t i = 0; i < 9; ++i) sum += basis[i] * coefficients[i];
+    for (int c = 0; c < 3; ++c) value[static_cast<std::size_t>(c)] = static_cast<float>(std::max(sum[c], 0.0));
+  });
+}
+
+/// Level l of the result, where a shader looks for α = 2^(l - levels + 1), is the mip that roughness √α chooses.
+Cubemap mips_by_roughness(const Cubemap& light) {
+  const Cubemap mips = ibl::cube_mips(light.levels[0]);
+  const auto levels = static_cast<float>(light.levels.size());
+  Cubemap result = light;
+  for (std::size_t l = 1; l < light.levels.size(); ++l) {
+    const float roughness = std::sqrt(std::exp2(static_cast<float>(l) - levels + 1.0f));
+    const float lod = roughness * static_cast<float>(mips.levels.size() - 1);
+    const auto mip = std::min(static_cast<std::size_t>(lod), mips.levels.size() - 2);
+    const float t = lod - static_cast<float>(mip);
+    over_texels(result.levels[l], [&](std::span<float> value, dvec3 direction, double) {
+      const vec3 sharp = ibl::cube_lookup(mips.levels[mip], direction);
+      const vec3 wide = ibl::cube_lookup(mips.levels[mip + 1], direction);
+      for (int c = 0; c < 3; ++c) value[static_cast<std::size_t>(c)] = glm::mix(sharp[c], wide[c], t);
+    });
+  }
+  return result;
+}
+
+}  // namespace
+
+BakedLight simplified(BakedLight light, Ambient ambient) {
+  if (light.specular.empty()) return light;
+  switch (ambient) {
+    case Ambient::baked:
+      break;
+    case Ambient::harmonics:
+      keep_nine_harmonics(light.irradiance);
+      break;
+    case Ambient::mips:
+      light.specular = mips_by_roughness(light.specular);
+      light.irradiance = ibl::cube_mips(light.specular.levels[0]).levels.back();
+      scale(light.irradiance, kPi);
+      break;
+    case Ambient::constant: {
+      dvec3 mean(0);
+      over_texels(light.irradiance, [&](std::span<float> value, dvec3, double solid_angle) {
+        mean += solid_angle / (4.0 * glm::pi<double>()) * dvec3(value[0], value[1], value[2]);
+      });
+      over_texels(light.irradiance, [&](std::span<float> value, dvec3, double) {
+        for (int c = 0; c < 3; ++c) value[static_cast<std::size_t>(c)] = static_cast<float>(mean[c]);
+      });
+      for (Cubemap* lobes : {&light.specular, &light.sheen}) {
+        for (CubeFaces& level : lobes->levels) scale(level, 0.0f);
+      }
+      break;
+    }
+    case Ambient::none:
+      light = {};
+      break;
+  }
   return light;
 }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "gl/gl.h"
 #include "image/cubemap.h"
@@ -28,6 +29,28 @@ bool is_lit_from_far(const Environment& environment);
 /// Bakes, or reads what an earlier run baked from the same light. `cache` is the folder of such files; empty = none is
 /// read or written. A damaged or unwritable cache is no error.
 BakedLight bake_light(const Environment& environment, bool wants_sheen, const std::filesystem::path& cache);
+
+/// The same of a cube of radiance.
+BakedLight bake_light(const CubeFaces& cube, bool wants_sheen);
+
+/// What stands in for light from far away: all of it, or what older renderers made of it, for comparison.
+enum class Ambient {
+  baked,      ///< prefiltered for each roughness, irradiance
+  harmonics,  ///< irradiance by nine spherical harmonics (Ramamoorthi & Hanrahan 2001), else as baked
+  mips,       ///< the environment's own mips, chosen by roughness; the smallest is the irradiance
+  constant,   ///< the mean of the environment from everywhere, on diffuse surfaces alone
+  none
+};
+
+/// `light` as `ambient` has it.
+BakedLight simplified(BakedLight light, Ambient ambient);
+
+/// Light as it arrives at one place in a scene.
+struct Probe {
+  vec3 position{0.0f};
+  Box3 box;  ///< whose walls the light is taken to come from
+  BakedLight light;
+};
 
 /// $XDG_CACHE_HOME/candela, else ~/.cache/candela; empty where neither is known.
 std::filesystem::path default_cache();

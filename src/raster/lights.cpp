@@ -6,6 +6,7 @@
 
 #include "ibl/source.h"
 #include "scene/view.h"
+#include "shade/surface_base.glsl.h"
 
 namespace candela::raster {
 
@@ -64,6 +65,7 @@ Entry sun_light(const SunDisc& sun) {
   e.light.cone.z = -1.0f;
   e.light.polynomial.w = -1.0f;
   e.light.across = {1, 0, 0, 1};
+  e.light.cone.x = sun.angular_radius;
   e.strength = luminance(irradiance);
   e.is_sun = true;
   return e;
@@ -91,7 +93,7 @@ void add_cone(SceneLights& lights, vec3 position, vec3 direction, float tangent,
   const vec2 extent(tangent * near);
   const auto i = static_cast<std::size_t>(lights.shadow_count++);
   lights.block.shadow_from_world[i] = perspective_projection(-extent, extent, near, far) * from_world;
-  lights.block.shadow_texel[i] = {2.0f * tangent / static_cast<float>(lights.shadow_size), 1.0f, 0.0f, 0.0f};
+  lights.block.shadow_texel[i] = {2.0f * tangent / static_cast<float>(lights.shadow_size), 1.0f, near, far};
 }
 
 /// Cascades: slices of what the camera sees of the scene, each in a box along the light.
@@ -135,8 +137,25 @@ void add_cascades(SceneLights& lights, vec3 direction, const Box3& bounds, const
     lights.block.shadow_from_world[i] =
         orthographic_projection(vec2(box.lower), vec2(box.upper), -box.upper.z, -box.lower.z) * from_world;
     lights.block.shadow_texel[i] = {std::max(box.size().x, box.size().y) / static_cast<float>(lights.shadow_size), 0.0f,
-                                    0.0f, 0.0f};
+                                    -box.upper.z, -box.lower.z};
   }
+}
+
+/// In the order in which the shader chooses a face: the axis that points from the light to the surface.
+void add_six(SceneLights& lights, vec3 position, const Box3& bounds) {
+  for (const vec3& axis :
+       {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0), vec3(0, 0, 1), vec3(0, 0, -1)}) {
+    // A little more than a right angle, for filters at the edges.
+    add_cone(lights, position, axis, 1.02f, bounds);
+  }
+}
+
+/// A direction within a disc about `axis`.
+vec3 point_of_disc(vec3 axis, float angular_radius, LightPoint point) {
+  const float r = point == LightPoint(0.5f) ? 0.0f : std::tan(angular_radius) * std::sqrt(point.x);
+  const vec3 x = shade::shade_tangent(axis);
+  const float phi = 2.0f * kPi * point.y;
+  return glm::normalize(axis + r * (std::cos(phi) * x + std::sin(phi) * glm::cross(axis, x)));
 }
 
 int views_of(const Entry& e) {
@@ -154,7 +173,7 @@ int views_of(const Entry& e) {
 }  // namespace
 
 SceneLights collect_lights(const Scene& scene, const Environment& environment, const Box3& bounds,
-                           const FrameCamera& camera, Diagnostics& diagnostics) {
+                           const FrameCamera& camera, LightPoint point, float radius, Diagnostics& diagnostics) {
   std::vector<Entry> entries;
   for (const Node& node : scene.nodes) {
     if (node.light >= 0) entries.push_back(punctual(scene, node, bounds));
@@ -175,9 +194,10 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
   }
 
   SceneLights lights;
+  lights.shadow_owner.fill(-1);
   int wanted = 0;
   for (const Entry& e : entries) wanted += views_of(e);
-  lights.shadow_size = wanted <= 8 ? 2048 : 1024;
+  lights.shadow_size = wanted == 0 ? 0 : wanted <= 8 ? 2048 : 1024;
   bool is_short = false;
   for (Entry& e : entries) {
     lights.has_suns |= e.is_sun;
@@ -187,16 +207,15 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
     } else if (lights.shadow_count + views > kMostShadows) {
       is_short = true;
     } else {
-      const vec3 position(e.light.position), direction(e.light.direction);
+      const bool is_directional = type_of(e) == LightType::directional;
+      const vec3 position = vec3(e.light.position) + (is_directional ? vec3(0.0f) : radius * point_of_ball(point));
+      const vec3 direction = is_directional && e.is_sun ? point_of_disc(vec3(e.light.direction), e.light.cone.x, point)
+                                                        : vec3(e.light.direction);
       e.light.cone.z = static_cast<float>(lights.shadow_count);
       e.light.cone.w = static_cast<float>(views);
       switch (type_of(e)) {
         case LightType::point:
-          // In the order in which the shader chooses a face: the axis that points from the surface to the light.
-          for (const vec3& axis :
-               {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0), vec3(0, 0, 1), vec3(0, 0, -1)}) {
-            add_cone(lights, position, axis, 1.01f, bounds);
-          }
+          add_six(lights, position, bounds);
           break;
         case LightType::spot:
           add_cone(lights, position, direction, std::tan(0.5f * std::min(2.0f * e.half_angle, kWidestSpot)) * 1.01f,
@@ -211,6 +230,39 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
   }
   if (is_short) diagnostics.warn("so many lights that the weakest cast no shadow", scene.name);
   return lights;
+}
+
+vec3 point_of_ball(LightPoint point) {
+  if (point == LightPoint(0.5f)) return vec3(0.0f);
+  // A density of 1 / √(1 - r²) per volume; its share within r is (asin r - r √(1 - r²)) / (π / 2).
+  float low = 0.0f, high = 1.0f;
+  for (int i = 0; i < 24; ++i) {
+    const float r = 0.5f * (low + high);
+    const float within = (std::asin(r) - r * std::sqrt(1.0f - r * r)) * (2.0f / kPi);
+    (within < point.x ? low : high) = r;
+  }
+  const float z = 2.0f * point.y - 1.0f, phi = 2.0f * kPi * point.z, s = std::sqrt(std::max(1.0f - z * z, 0.0f));
+  return low * vec3(s * std::cos(phi), s * std::sin(phi), z);
+}
+
+void add_point_shadows(SceneLights& lights, vec3 position, const Box3& bounds, vec4& shape) {
+  if (bounds.empty() || lights.shadow_count + 6 > kMostShadows) return;
+  if (lights.shadow_size == 0) lights.shadow_size = 1024;
+  shape.z = static_cast<float>(lights.shadow_count);
+  shape.w = 6.0f;
+  add_six(lights, position, bounds);
+}
+
+void add_panel_shadows(SceneLights& lights, vec3 center, vec3 normal, bool has_two_sides, const Box3& bounds,
+                       vec4& shape) {
+  constexpr float kWide = 4.5f;  // tangent of half of 155 degrees
+  const int sides = has_two_sides ? 2 : 1;
+  if (bounds.empty() || lights.shadow_count + sides > kMostShadows) return;
+  if (lights.shadow_size == 0) lights.shadow_size = 1024;
+  shape.z = static_cast<float>(lights.shadow_count);
+  shape.w = static_cast<float>(sides);
+  add_cone(lights, center, normal, kWide, bounds);
+  if (has_two_sides) add_cone(lights, center, -normal, kWide, bounds);
 }
 
 gl::Texture upload_profiles(const Scene& scene) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <array>
 
 #include "base/diagnostics.h"
 #include "gl/gl.h"
@@ -15,16 +15,32 @@ namespace candela::raster {
 struct SceneLights {
   LightsBlock block;
   int count = 0;
+  int area_count = 0;
   int shadow_count = 0;   ///< layers of the shadow maps
   int shadow_size = 0;    ///< texels a side
   bool has_suns = false;  ///< discs, which even a mirror must show
+  std::array<int, kMostShadows>
+      shadow_owner{};  ///< the area whose light a layer is of, which casts no shadow in it; -1
 };
 
-/// `bounds` is what casts and receives shadows, `camera` decides where the cascades of directional lights lie. The
-/// strongest lights come first; those beyond kMostLights are left out with a warning, shadows beyond kMostShadows
-/// likewise.
+/// Where on a light with an extent its shadows are seen from: numbers in [0, 1)³, ½ the middle. Over many frames the
+/// shadow becomes that of the whole.
+using LightPoint = vec3;
+
+/// `bounds` is what casts and receives shadows, `camera` decides where the cascades of directional lights lie, `point`
+/// where within suns, and in balls of `radius` about points and spots, shadows are cast from. The strongest lights come
+/// first; those beyond kMostLights are left out with a warning, shadows beyond kMostShadows likewise.
 SceneLights collect_lights(const Scene& scene, const Environment& environment, const Box3& bounds,
-                           const FrameCamera& camera, Diagnostics& diagnostics);
+                           const FrameCamera& camera, LightPoint point, float radius, Diagnostics& diagnostics);
+
+/// A point of the unit ball whose distribution looks from everywhere like an even disc; 0 for the middle.
+vec3 point_of_ball(LightPoint point);
+
+/// Views from a point to all sides, and from a panel to its front or to both sides, as far as there is room for them.
+/// `shape` is that of an AreaEntry, whose z and w become the first and the count.
+void add_point_shadows(SceneLights& lights, vec3 position, const Box3& bounds, vec4& shape);
+void add_panel_shadows(SceneLights& lights, vec3 center, vec3 normal, bool has_two_sides, const Box3& bounds,
+                       vec4& shape);
 
 /// The IES profiles of a scene as layers of one texture: horizontal angle by vertical angle, candela.
 gl::Texture upload_profiles(const Scene& scene);

@@ -15,6 +15,7 @@ namespace candela::raster {
 namespace {
 
 constexpr std::size_t kBaseColorSlot = 0;
+constexpr std::size_t kHeightSlot = kSlots - 1;
 const std::string kMeshFragment = "mesh.frag.glsl";
 constexpr std::array<const char*, kSlots> kSlotNames = {"base_color",
                                                         "metallic_roughness",
@@ -35,7 +36,8 @@ constexpr std::array<const char*, kSlots> kSlotNames = {"base_color",
                                                         "thickness",
                                                         "diffuse_transmission",
                                                         "diffuse_transmission_color",
-                                                        "specular_glossiness"};
+                                                        "specular_glossiness",
+                                                        "height"};
 
 std::string read_embedded(const std::string& name) {
   const auto file = shader_files().find(name);
@@ -53,7 +55,7 @@ std::string slots_text(const MaterialKey& key, std::uint32_t mask) {
   for (std::size_t i = 0; i < kSlots; ++i) {
     if ((mask >> i & 1u) == 0) continue;
     const std::string name = kSlotNames[i];
-    const std::string uv = key.is_plain_uv ? "v_uv.xy" : "slot_uv(" + std::to_string(i) + ")";
+    const std::string uv = key.is_plain_uv ? "surface_uv.xy" : "slot_uv(" + std::to_string(i) + ")";
     text += define("HAS_" + name);
     text += fmt::format("uniform sampler2D {0}_texture;\n#define {0}_uv() {1}\n", name, uv);
     text += fmt::format("#define {0}_texel() texture({0}_texture, {1})\n", name, uv);
@@ -71,7 +73,7 @@ std::string model_text(const shade::ShadingModel& m) {
 
 std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const shade::ShadingModel& model) {
   std::string text = slots_text(key, key.slots) + define("LOBES", key.lobes) + define("kMostLights", kMostLights) +
-                     define("kMostShadows", kMostShadows);
+                     define("kMostShadows", kMostShadows) + define("kMostAreas", kMostAreas);
   const auto add = [&text](bool is_wanted, const char* name) {
     if (is_wanted) text += define(name);
   };
@@ -80,6 +82,8 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(key.has_tangents, "HAS_TANGENT");
   add(key.has_colors, "HAS_COLOR");
   add(key.has_body, "HAS_BODY");
+  add(key.has_body || key.is_scattering || (key.slots >> kHeightSlot & 1u) != 0, "HAS_SCALE");
+  add(key.is_scattering, "IS_SCATTERING");
   add(key.is_unlit, "IS_UNLIT");
   add(key.is_specular_glossiness, "IS_SPECULAR_GLOSSINESS");
   add(key.lobes != 0, "HAS_LAYERS");
@@ -95,6 +99,10 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(pass.has_sheen_light, "HAS_SHEEN_LIGHT");
   add(pass.has_opaque_picture, "HAS_OPAQUE_PICTURE");
   add(pass.has_occlusion, "HAS_SCREEN_OCCLUSION");
+  add(pass.has_areas, "HAS_AREAS");
+  add(pass.has_probes, "HAS_PROBES");
+  add(pass.has_soft_shadows, "HAS_SOFT_SHADOWS");
+  add(pass.has_scattering, "HAS_SCATTERING");
   if (key.emissive > 0) text += define("IS_EMISSIVE", key.emissive);
   if (is_of_surface(pass.quantity)) {
     // "base-color" is SHOW_base_color.
@@ -144,14 +152,15 @@ std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const 
   program->bind_block("Material", material_binding);
   program->bind_block("Lights", lights_binding);
   glUseProgram(program->id());
-  static constexpr std::array<std::pair<const char*, int>, 8> kShared = {{{"shade_table_texels", table_unit},
+  static constexpr std::array<std::pair<const char*, int>, 9> kShared = {{{"shade_table_texels", table_unit},
                                                                           {"specular_light", specular_unit},
                                                                           {"diffuse_light", diffuse_unit},
                                                                           {"sheen_light", sheen_unit},
                                                                           {"shadow_maps", shadow_unit},
                                                                           {"light_profiles", profile_unit},
                                                                           {"opaque_picture", picture_unit},
-                                                                          {"screen_visibility", visibility_unit}}};
+                                                                          {"screen_visibility", visibility_unit},
+                                                                          {"shadow_depths", shadow_depth_unit}}};
   for (const auto& [name, unit] : kShared) glUniform1i(program->uniform(name), unit);
   int unit = first_slot_unit;
   for (std::size_t i = 0; i < kSlots; ++i) {

@@ -20,6 +20,7 @@ struct MaterialKey {
   bool has_tangents = false;
   bool has_colors = false;
   bool has_body = false;
+  bool is_scattering = false;  ///< a body whose light is spread over its neighbourhood
   bool is_unlit = false;
   bool is_specular_glossiness = false;
   bool is_plain_uv = false;  ///< every slot reads the first set as it is
@@ -34,7 +35,11 @@ struct PassKey {
   bool has_lights = false;
   bool has_sheen_light = false;
   bool has_opaque_picture = false;
-  bool has_occlusion = false;           ///< of the screen
+  bool has_occlusion = false;  ///< of the screen
+  bool has_areas = false;
+  bool has_probes = false;
+  bool has_soft_shadows = false;
+  bool has_scattering = false;          ///< the picture has layers of light that has yet to spread
   bool has_coverage = false;            ///< masks become coverage of several samples
   Quantity quantity = Quantity::light;  ///< light, or one of a surface
 
@@ -51,6 +56,7 @@ enum Unit : int {
   profile_unit,
   picture_unit,
   visibility_unit,
+  shadow_depth_unit,
   first_slot_unit
 };
 

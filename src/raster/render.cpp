@@ -43,6 +43,17 @@ vec4 lattice_point(int i) {
   return point;
 }
 
+/// A point of every light for a frame of several: the same lattice of three dimensions, the root of x⁴ = x + 1.
+LightPoint light_point(int i, int frames) {
+  if (frames == 1) return LightPoint(0.5f);
+  constexpr std::array<double, 3> kSteps = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+  LightPoint point;
+  for (int k = 0; k < 3; ++k) {
+    point[k] = static_cast<float>(std::fmod(0.25 + kSteps[static_cast<std::size_t>(k)] * (i + 1), 1.0));
+  }
+  return point;
+}
+
 bool uses_sheen(const Scene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(),
                      [](const Material& m) { return max_component(m.sheen_color) > 0.0f && !m.unlit; });
@@ -52,8 +63,10 @@ bool uses_sheen(const Scene& scene) {
 bool only_glows(const Scene& scene, const Environment& environment) {
   const bool has_lamp =
       std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.light >= 0; });
-  const bool glows = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                 [](const Material& m) { return max_component(m.emission) > 0.0f && !m.unlit; });
+  // By a texture, whose lamps nobody finds; what glows evenly is a light.
+  const bool glows = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+    return max_component(m.emission) > 0.0f && m.emissive_texture && !m.unlit;
+  });
   return glows && !has_lamp && !is_lit_from_far(environment) && environment.suns.empty();
 }
 
@@ -87,6 +100,7 @@ struct Session::Parts {
   double open_s = 0.0;
   LightKey key;  ///< of `light`
   BakedLight light;
+  std::vector<Probe> probes;
 };
 
 Session::Session() : parts_(std::make_unique<Parts>()) {
@@ -96,6 +110,8 @@ Session::Session() : parts_(std::make_unique<Parts>()) {
 }
 
 Session::~Session() = default;
+
+void Session::set_probes(std::vector<Probe> probes) { parts_->probes = std::move(probes); }
 
 namespace {
 
@@ -130,7 +146,8 @@ void show_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
 }
 
 /// The mean of a view's frames.
-Film draw_view(Renderer& renderer, const View& view, const Settings& settings, Statistics& s) {
+Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const MomentOf& moment,
+               const Settings& settings, Statistics& s) {
   Film film;
   film.beauty = Image(settings.width, settings.height, 4);
   for (int frame = 0; frame < settings.frames; ++frame) {
@@ -138,6 +155,14 @@ Film draw_view(Renderer& renderer, const View& view, const Settings& settings, S
     const vec4 u = lattice_point(frame);
     const vec2 jitter = is_still ? vec2(u) - 0.5f : vec2(0.0f);
     const vec2 lens = is_still ? sample_aperture(view.lens, {u.z, u.w}) : vec2(0.0f);
+    if (moment) {
+      const Moment now = moment(picture_index, frame);
+      view = now.view;
+      renderer.set_scene(*now.scene);
+      renderer.begin(view, light_point(frame, settings.frames));
+    } else if (is_still && renderer.has_extended_lights()) {
+      renderer.begin(view, light_point(frame, settings.frames));
+    }
     renderer.draw(view, jitter, lens);
     const Image picture = renderer.read();
     const float share = 1.0f / static_cast<float>(settings.frames);
@@ -169,7 +194,7 @@ Film draw_view(Renderer& renderer, const View& view, const Settings& settings, S
 
 void Session::draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
                    const Settings& settings, Diagnostics& diagnostics,
-                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics) {
+                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics, const MomentOf& moment) {
   Statistics ignored;
   Statistics& s = statistics != nullptr ? *statistics : ignored;
   Stopwatch watch;
@@ -207,10 +232,12 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
       s.compile_s = watch.lap();
       baked.get();
       s.is_light_cached = parts_->light.is_cached;
-      renderer.set_light(parts_->light);
+      renderer.set_light(settings.ambient == Ambient::baked ? parts_->light
+                                                            : simplified(parts_->light, settings.ambient));
+      renderer.set_probes(parts_->probes);
       watch.lap();
     }
-    Film film = draw_view(renderer, views[i], settings, s);
+    Film film = draw_view(renderer, views[i], i, moment, settings, s);
     s.frame_s += watch.lap();
     take(i, std::move(film));
   }

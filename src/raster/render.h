@@ -9,6 +9,7 @@
 
 #include "base/diagnostics.h"
 #include "image/film.h"
+#include "raster/image_light.h"
 #include "raster/quantity.h"
 #include "scene/scene.h"
 #include "scene/view.h"
@@ -30,6 +31,11 @@ struct Settings {
   /// How far away surfaces occlude what comes from the environment, over the diagonal of the scene; 0 = they do not.
   float occlusion_radius = 0.0f;
   Background background = Background::environment;
+  Ambient ambient = Ambient::baked;
+  /// Shadows that soften with the distance from what casts them: of suns and area lights by their own size, of points
+  /// and spots by `light_radius`.
+  bool has_soft_shadows = false;
+  float light_radius = 0.0f;            ///< metres
   Quantity quantity = Quantity::light;  ///< shown in place of all light; then without a background
   int shown_light = 0;                  ///< of Quantity::one_light, the strongest is 0
   shade::ShadingModel shading = shade::shading_model_candela();
@@ -54,6 +60,14 @@ struct Statistics {
   std::uint64_t non_finite_pixels = 0;  ///< must be 0; each is black in the picture
 };
 
+/// What one frame of a picture shows where things move: `scene` must have the materials, images and lights of the scene
+/// that is drawn, and live until the next moment is asked for.
+struct Moment {
+  const Scene* scene = nullptr;
+  View view;
+};
+using MomentOf = std::function<Moment(std::size_t picture, int frame)>;
+
 /// An OpenGL context, and the environment that was baked last: many pictures pay for them once. To be used on the
 /// thread that made it.
 class Session {
@@ -64,11 +78,16 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  /// Light within a scene, which stands in for light from far away on every surface: that of the nearest probe. For the
+  /// scenes drawn from here on; none: the environment's.
+  void set_probes(std::vector<Probe> probes);
+
   /// Draws `scene` under `environment` from each of `views`, uploading and compiling once, and hands each picture to
-  /// `take` with the index of its view. Throws Error where the driver refuses a shader or runs out of memory.
+  /// `take` with the index of its view. Where there is a `moment`, each frame shows what it says. Throws Error where
+  /// the driver refuses a shader or runs out of memory.
   void draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
             const Settings& settings, Diagnostics& diagnostics, const std::function<void(std::size_t, Film)>& take,
-            Statistics* statistics = nullptr);
+            Statistics* statistics = nullptr, const MomentOf& moment = {});
 
  private:
   struct Parts;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "ibl/source.h"
+#include "raster/areas.h"
 #include "shade/surface_params.glsl.h"
 #include "shade/tables.glsl.h"
 
@@ -31,6 +32,12 @@ void bind(int unit, GLenum target, GLuint texture) {
   glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   glBindTexture(target, texture);
   glBindSampler(static_cast<GLuint>(unit), 0);
+}
+
+/// Draws into the first `count` pictures of the framebuffer that is bound.
+void use_color_attachments(GLsizei count) {
+  constexpr std::array<GLenum, 3> kAll = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
+  glDrawBuffers(count, kAll.data());
 }
 
 void check_framebuffer(const char* what) {
@@ -83,7 +90,7 @@ gl::Texture upload_panorama(const Image* map) {
 
 Renderer::Renderer(const Scene& scene, const Environment& environment, const Settings& settings,
                    Diagnostics& diagnostics)
-    : scene_(scene),
+    : scene_(&scene),
       environment_(environment),
       settings_(settings),
       diagnostics_(diagnostics),
@@ -97,6 +104,10 @@ Renderer::Renderer(const Scene& scene, const Environment& environment, const Set
   panorama_ = upload_panorama(settings.background == Background::environment ? seen : nullptr);
   profiles_ = upload_profiles(scene);
   upload_table();
+  glSamplerParameteri(depth_sampler_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glSamplerParameteri(depth_sampler_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glSamplerParameteri(depth_sampler_, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glSamplerParameteri(depth_sampler_, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   make_targets();
   make_occlusion_targets();
 }
@@ -108,6 +119,39 @@ void Renderer::set_light(const BakedLight& light) {
   specular_ = upload_cube(light.specular);
   diffuse_ = upload_cube(cube_of_one_level(light.irradiance));
   if (!light.sheen.empty()) sheen_ = upload_cube(light.sheen);
+}
+
+void Renderer::set_probes(const std::vector<Probe>& probes) {
+  probes_.clear();
+  for (const Probe& probe : probes) {
+    GpuProbe& gpu = probes_.emplace_back();
+    gpu.position = probe.position;
+    gpu.box = probe.box;
+    gpu.levels = static_cast<int>(probe.light.specular.levels.size());
+    gpu.specular = upload_cube(probe.light.specular);
+    gpu.diffuse = upload_cube(cube_of_one_level(probe.light.irradiance));
+    if (!probe.light.sheen.empty()) gpu.sheen = upload_cube(probe.light.sheen);
+  }
+}
+
+/// The light of the probe that is nearest to a draw.
+void Renderer::bind_probe(std::size_t draw, const gl::Program& program) {
+  const vec3 center = gpu_.draws()[draw].center;
+  const auto nearest = std::min_element(probes_.begin(), probes_.end(), [&](const GpuProbe& a, const GpuProbe& b) {
+    return glm::distance(a.position, center) < glm::distance(b.position, center);
+  });
+  glUniform4f(program.uniform("probe_position"), nearest->position.x, nearest->position.y, nearest->position.z,
+              static_cast<float>(nearest->levels));
+  glUniform3fv(program.uniform("probe_low"), 1, &nearest->box.lower.x);
+  glUniform3fv(program.uniform("probe_high"), 1, &nearest->box.upper.x);
+  bind(specular_unit, GL_TEXTURE_CUBE_MAP, nearest->specular);
+  bind(diffuse_unit, GL_TEXTURE_CUBE_MAP, nearest->diffuse);
+  bind(sheen_unit, GL_TEXTURE_CUBE_MAP, nearest->sheen);
+}
+
+void Renderer::set_scene(const Scene& scene) {
+  scene_ = &scene;
+  gpu_.set_geometry(scene);
 }
 
 void Renderer::warm_up(const View& view) {
@@ -156,6 +200,15 @@ void Renderer::make_targets() {
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_.color);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target_.depth);
+  has_scattering_ = gpu_.has_scattering() && !is_of_surface(settings_.quantity);
+  if (has_scattering_) {
+    for (std::size_t i = 0; i < scattered_.size(); ++i) {
+      glBindRenderbuffer(GL_RENDERBUFFER, scattered_samples_[i]);
+      glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
+      glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1 + static_cast<GLenum>(i), GL_RENDERBUFFER,
+                                scattered_samples_[i]);
+    }
+  }
   check_framebuffer("half floats");
   settings_.msaa = std::max(samples, 1);
 
@@ -169,6 +222,9 @@ void Renderer::make_targets() {
     check_framebuffer("half floats");
   };
   make_picture(resolved_, resolved_framebuffer_, GL_LINEAR);
+  for (std::size_t i = 0; has_scattering_ && i < scattered_.size(); ++i) {
+    make_picture(scattered_[i], scattered_framebuffer_[i], GL_NEAREST);
+  }
   if (gpu_.has_lobe(shade::kLobeTransmission)) {
     make_picture(opaque_picture_, picture_framebuffer_, GL_LINEAR_MIPMAP_LINEAR);
     picture_levels_ = 1 + static_cast<int>(std::log2(static_cast<float>(std::max(w, h))));
@@ -176,9 +232,21 @@ void Renderer::make_targets() {
   gl::check("making the picture");
 }
 
-void Renderer::begin(const View& view) {
+bool Renderer::has_extended_lights() const {
+  return lights_.area_count > 0 ||
+         (settings_.has_soft_shadows && (lights_.has_suns || (settings_.light_radius > 0.0f && lights_.count > 0)));
+}
+
+void Renderer::begin(const View& view, LightPoint point) {
   const FrameCamera camera = frame_camera(view, settings_.width, settings_.height, gpu_.bounds());
-  lights_ = collect_lights(scene_, environment_, gpu_.bounds(), camera, diagnostics_);
+  // What there is to say about lights is said the first time.
+  Diagnostics& diagnostics = is_begun_ ? told_ : diagnostics_;
+  is_begun_ = true;
+  is_moved_light_ = point != LightPoint(0.5f);
+  const float radius = settings_.has_soft_shadows ? settings_.light_radius : 0.0f;
+  lights_ = collect_lights(*scene_, environment_, gpu_.bounds(), camera,
+                           settings_.has_soft_shadows ? point : LightPoint(0.5f), radius, diagnostics);
+  area_of_draw_ = collect_areas(*scene_, gpu_, point, lights_, diagnostics);
   glBindBuffer(GL_UNIFORM_BUFFER, lights_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof lights_.block, &lights_.block, GL_DYNAMIC_DRAW);
   draw_shadows();
@@ -212,17 +280,24 @@ void Renderer::draw_shadows() {
     glClearDepthf(1.0f);
     glClear(GL_DEPTH_BUFFER_BIT);
     const mat4& clip_from_world = lights_.block.shadow_from_world[static_cast<std::size_t>(layer)];
-    for (std::size_t i = 0; i < gpu_.draws().size(); ++i) {
-      const Draw& d = gpu_.draws()[i];
-      const GpuMaterial& material = gpu_.material_of(d);
+    const int owner = lights_.shadow_owner[static_cast<std::size_t>(layer)];
+    const auto casts = [&](std::size_t i) {
+      if (owner >= 0 && area_of_draw_[i] == owner) return false;
+      const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
       // What lets light through casts no hard shadow.
-      if (material.key.alpha_mode == AlphaMode::blend || material.is_transmissive()) continue;
-      if (is_outside(clip_from_world, d.bounds)) continue;
+      if (material.key.alpha_mode == AlphaMode::blend || material.is_transmissive()) return false;
+      return !is_outside(clip_from_world, gpu_.draws()[i].bounds);
+    };
+    for (std::size_t i = 0, end = 0; i < gpu_.draws().size(); i = end) {
+      end = i + 1;
+      if (!casts(i)) continue;
+      while (end < gpu_.draws().size() && gpu_.are_alike(i, end) && casts(end)) ++end;
+      const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
       const gl::Program& program = programs_.depth(material.key);
       glUseProgram(program.id());
       glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &clip_from_world[0][0]);
       if (material.key.alpha_mode == AlphaMode::mask) gpu_.bind_mask(material);
-      gpu_.draw(i);
+      gpu_.draw(i, end - i);
     }
   }
   glDisable(GL_POLYGON_OFFSET_FILL);
@@ -234,13 +309,16 @@ void Renderer::bind_shared(const FrameCamera& camera) {
   block.clip_from_world = camera.clip_from_world;
   block.eye = vec4(camera.eye, camera.is_perspective ? 1.0f : 0.0f);
   block.back = vec4(camera.back, 0.0f);
-  block.light = {static_cast<float>(light_levels_), has_light_ ? 1.0f : 0.0f,
+  block.light = {static_cast<float>(light_levels_), has_light_ || !probes_.empty() ? 1.0f : 0.0f,
                  lights_.has_suns ? kLeastSunRoughness : 0.0f,
                  settings_.specular_antialiasing ? 1.0f / static_cast<float>(settings_.frames) : 0.0f};
   block.target = {static_cast<float>(settings_.width), static_cast<float>(settings_.height),
                   static_cast<float>(picture_levels_), 0.0f};
+  // Of many frames each stands for a part of the light.
+  const float share = is_moved_light_ ? 1.0f / std::sqrt(static_cast<float>(settings_.frames)) : 1.0f;
+  block.soft = {settings_.light_radius, static_cast<float>(frame_) * 0.618034f, share, 0.0f};
   block.counts = {lights_.count, parts_of(settings_.quantity),
-                  settings_.quantity == Quantity::one_light ? settings_.shown_light : -1, 0};
+                  settings_.quantity == Quantity::one_light ? settings_.shown_light : -1, lights_.area_count};
   glBindBuffer(GL_UNIFORM_BUFFER, frame_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof block, &block, GL_DYNAMIC_DRAW);
   glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_block_);
@@ -250,13 +328,16 @@ void Renderer::bind_shared(const FrameCamera& camera) {
   bind(diffuse_unit, GL_TEXTURE_CUBE_MAP, diffuse_);
   bind(sheen_unit, GL_TEXTURE_CUBE_MAP, sheen_);
   bind(shadow_unit, GL_TEXTURE_2D_ARRAY, shadows_);
+  bind(shadow_depth_unit, GL_TEXTURE_2D_ARRAY, shadows_);
+  glBindSampler(shadow_depth_unit, depth_sampler_);
   bind(profile_unit, GL_TEXTURE_2D_ARRAY, profiles_);
   bind(picture_unit, GL_TEXTURE_2D, opaque_picture_);
   bind(visibility_unit, GL_TEXTURE_2D, visibility_[1]);
 }
 
 void Renderer::make_occlusion_targets() {
-  const int w = settings_.width, h = settings_.height;
+  // Half of the picture's: what is open changes slowly.
+  const int w = (settings_.width + 1) / 2, h = (settings_.height + 1) / 2;
   const auto make = [&](const gl::Texture& texture, const gl::Framebuffer& framebuffer, GLint format, GLenum layout,
                         GLenum type, GLenum attachment) {
     glBindTexture(GL_TEXTURE_2D, texture);
@@ -271,13 +352,14 @@ void Renderer::make_occlusion_targets() {
   glDrawBuffers(1, &none);
   check_framebuffer("a map of depth");
   for (std::size_t i = 0; i < visibility_.size(); ++i) {
-    make(visibility_[i], visibility_framebuffer_[i], GL_R8, GL_RED, GL_UNSIGNED_BYTE, GL_COLOR_ATTACHMENT0);
-    check_framebuffer("bytes");
+    make(visibility_[i], visibility_framebuffer_[i], GL_RG16F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0);
+    check_framebuffer("half floats");
   }
 }
 
 void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const FrameCamera& camera) {
   // ----- depth
+  glViewport(0, 0, (settings_.width + 1) / 2, (settings_.height + 1) / 2);
   glBindFramebuffer(GL_FRAMEBUFFER, depth_framebuffer_);
   glClearDepthf(1.0f);
   glClear(GL_DEPTH_BUFFER_BIT);
@@ -309,7 +391,7 @@ void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const Fram
   glUseProgram(horizons.id());
   glUniform1i(horizons.uniform("depth_map"), first_slot_unit);
   glUniformMatrix4fv(horizons.uniform("clip_from_camera"), 1, GL_FALSE, &camera.clip_from_camera[0][0]);
-  const float pixels = 0.5f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1];
+  const float pixels = 0.25f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1];
   glUniform4f(horizons.uniform("reach"), settings_.occlusion_radius * glm::length(gpu_.bounds().size()), pixels,
               static_cast<float>(frame_) * 0.618034f, camera.is_perspective ? 1.0f : 0.0f);
   glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -318,7 +400,41 @@ void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const Fram
   glUseProgram(blur.id());
   glUniform1i(blur.uniform("depth_map"), first_slot_unit);
   glUniform1i(blur.uniform("visibility_map"), first_slot_unit + 1);
+  glUniformMatrix4fv(blur.uniform("clip_from_camera"), 1, GL_FALSE, &camera.clip_from_camera[0][0]);
+  glUniform1f(blur.uniform("is_perspective"), camera.is_perspective ? 1.0f : 0.0f);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  glEnable(GL_DEPTH_TEST);
+  glViewport(0, 0, settings_.width, settings_.height);
+}
+
+/// Spreads what the opaque pass left in the layers of scattered light, onto the picture.
+void Renderer::draw_scattering(const FrameCamera& camera) {
+  for (std::size_t i = 0; i < scattered_.size(); ++i) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.framebuffer);
+    glReadBuffer(GL_COLOR_ATTACHMENT1 + static_cast<GLenum>(i));
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, scattered_framebuffer_[i]);
+    glBlitFramebuffer(0, 0, settings_.width, settings_.height, 0, 0, settings_.width, settings_.height,
+                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  use_color_attachments(1);
+  const gl::Program& program = programs_.fullscreen("scattering.frag.glsl");
+  glUseProgram(program.id());
+  for (std::size_t i = 0; i < scattered_.size(); ++i) {
+    bind(first_slot_unit + static_cast<int>(i), GL_TEXTURE_2D, scattered_[i]);
+  }
+  glUniform1i(program.uniform("scattered_light"), first_slot_unit);
+  glUniform1i(program.uniform("scattering_width"), first_slot_unit + 1);
+  glUniform4f(program.uniform("scale"), 0.5f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1],
+              camera.is_perspective ? 1.0f : 0.0f, static_cast<float>(frame_) * 0.618034f, 0.0f);
+  glBindVertexArray(nothing_);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
 }
 
@@ -358,36 +474,47 @@ void Renderer::draw_background(const FrameCamera& camera) {
   glDepthMask(GL_TRUE);
 }
 
-void Renderer::draw_one(std::size_t index, const PassKey& pass) {
-  const Draw& d = gpu_.draws()[index];
+void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pass) {
+  const Draw& d = gpu_.draws()[first];
   const GpuMaterial& material = gpu_.material_of(d);
   const gl::Program& program = programs_.mesh(material.key, pass);
   glUseProgram(program.id());
+  if (pass.has_probes) bind_probe(first, program);
+  if (pass.has_areas) glUniform1i(program.uniform("own_area"), area_of_draw_[first]);
   if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.node + 1));
   gpu_.bind_material(material);
-  gpu_.draw(index);
+  gpu_.draw(first, count);
 }
 
 void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera) {
+  std::vector<bool> is_wanted(gpu_.draws().size(), false);
+  for (const std::size_t i : order) is_wanted[i] = !is_outside(camera.clip_from_world, gpu_.draws()[i].bounds);
   for (const std::size_t i : order) {
-    const Draw& d = gpu_.draws()[i];
-    if (is_outside(camera.clip_from_world, d.bounds)) continue;
-    const GpuMaterial& material = gpu_.material_of(d);
+    if (!is_wanted[i]) continue;
+    const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
     const bool is_blended = material.key.alpha_mode == AlphaMode::blend && pass.quantity == Quantity::light;
+    // What may be drawn in any order goes together with its neighbours.
+    const bool is_sorted = is_blended || material.is_transmissive() || pass.quantity == Quantity::object_id ||
+                           (pass.has_areas && area_of_draw_[i] >= 0) || pass.has_probes;
+    std::size_t first = i, end = i + 1;
+    while (!is_sorted && first > 0 && is_wanted[first - 1] && gpu_.are_alike(first - 1, i)) --first;
+    while (!is_sorted && end < is_wanted.size() && is_wanted[end] && gpu_.are_alike(end, i)) ++end;
+    for (std::size_t k = first; k < end; ++k) is_wanted[k] = false;
+    const std::size_t count = end - first;
     if (!material.is_double_sided) {
       glEnable(GL_CULL_FACE);
       glCullFace(GL_BACK);
-      draw_one(i, pass);
+      draw_some(first, count, pass);
     } else if (is_blended) {
       // Far sides before near ones.
       glEnable(GL_CULL_FACE);
       for (const GLenum side : {GLenum{GL_FRONT}, GLenum{GL_BACK}}) {
         glCullFace(side);
-        draw_one(i, pass);
+        draw_some(first, count, pass);
       }
     } else {
       glDisable(GL_CULL_FACE);
-      draw_one(i, pass);
+      draw_some(first, count, pass);
     }
   }
 }
@@ -427,7 +554,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  const bool has_occlusion = settings_.occlusion_radius > 0.0f && expects_light_;
+  const bool has_occlusion = settings_.occlusion_radius > 0.0f && (expects_light_ || !probes_.empty());
   if (has_occlusion) draw_occlusion(opaque, camera);
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
@@ -435,14 +562,24 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
   PassKey pass;
-  pass.has_lights = lights_.count > 0;
+  pass.has_lights = lights_.count + lights_.area_count > 0;
   if (is_of_surface(settings_.quantity)) {
     draw_quantity(settings_.quantity, camera);
     resolve(resolved_framebuffer_);
     gl::check("drawing");
     return;
   }
+  pass.has_areas = lights_.area_count > 0;
+  pass.has_probes = !probes_.empty();
+  // A large light's hard shadow would be a lie.
+  pass.has_soft_shadows = lights_.shadow_count > 0 && (settings_.has_soft_shadows || pass.has_areas);
   pass.has_sheen_light = gpu_.has_lobe(shade::kLobeSheen);
+  pass.has_scattering = has_scattering_;
+  if (has_scattering_) {
+    use_color_attachments(3);
+    const std::array<float, 4> black{};
+    for (GLint i = 1; i < 3; ++i) glClearBufferfv(GL_COLOR, i, black.data());
+  }
   pass.has_coverage = settings_.msaa > 1;
   pass.has_occlusion = has_occlusion;
   if (pass.has_coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
@@ -450,6 +587,8 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   pass.has_coverage = false;
   pass.has_occlusion = false;
+  pass.has_scattering = false;
+  if (has_scattering_) draw_scattering(camera);
   const bool is_whole = settings_.quantity == Quantity::light || settings_.quantity == Quantity::luminance;
   if (settings_.background == Background::environment && is_whole) draw_background(camera);
 
@@ -497,7 +636,7 @@ void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
   std::vector<std::size_t> all(gpu_.draws().size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
   PassKey pass;
-  pass.has_lights = lights_.count > 0;
+  pass.has_lights = lights_.count + lights_.area_count > 0;
   pass.quantity = quantity;
   if (quantity == Quantity::overdraw) {
     glDisable(GL_DEPTH_TEST);
@@ -512,6 +651,30 @@ void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
 Image Renderer::read() {
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_framebuffer_);
   return read_pixels(settings_.width, settings_.height);
+}
+
+void Renderer::present(ivec2 size, float exposure, ToneCurve tone_curve) {
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, size.x, size.y);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  const gl::Program& program = programs_.fullscreen("present.frag.glsl");
+  glUseProgram(program.id());
+  bind(first_slot_unit, GL_TEXTURE_2D, resolved_);
+  glUniform1i(program.uniform("picture"), first_slot_unit);
+  glUniform1f(program.uniform("exposure"), exposure);
+  glUniform1i(program.uniform("tone_curve"), static_cast<GLint>(tone_curve));
+  glBindVertexArray(nothing_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  gl::check("showing the picture");
+}
+
+void Renderer::resize(int width, int height) {
+  settings_.width = width;
+  settings_.height = height;
+  make_targets();
+  make_occlusion_targets();
 }
 
 Image Renderer::read_layer(const View& view, Layer layer) {

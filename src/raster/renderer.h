@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "image/develop.h"
 #include "raster/camera.h"
 #include "raster/gpu_scene.h"
 #include "raster/image_light.h"
@@ -18,15 +19,25 @@ class Renderer {
   /// `scene` and `environment` must outlive it. Until set_light() nothing arrives from far away but suns.
   Renderer(const Scene& scene, const Environment& environment, const Settings& settings, Diagnostics& diagnostics);
   void set_light(const BakedLight& light);
+  /// Instead of what set_light() gave, for draws as near to them as to no other.
+  void set_probes(const std::vector<Probe>& probes);
+  /// Another moment of the same scene; it must outlive what is drawn of it. begin() has to follow.
+  void set_scene(const Scene& scene);
 
   /// Lets the driver compile what the frames of a view need, without drawing any pixel that counts.
   void warm_up(const View& view);
-  /// Places lights and draws their shadows for a view; once per view, before its frames.
-  void begin(const View& view);
+  /// Places lights and draws their shadows for a view, before its frames; again before each where lights have an extent
+  /// and frames are many, each time with another `point` of them.
+  void begin(const View& view, LightPoint point = LightPoint(0.5f));
+  bool has_extended_lights() const;
   /// Draws one frame; see frame_camera for `jitter` and `aperture`.
   void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f));
   /// The last frame: linear, 4 channels, premultiplied, row 0 at the top.
   Image read();
+  /// Shows the last frame in the framebuffer of a window of `size` pixels.
+  void present(ivec2 size, float exposure, ToneCurve tone_curve);
+  /// Frames of another size from here on.
+  void resize(int width, int height);
   /// One quantity of the first surface at each pixel's centre; 0 where there is none (depth: infinity).
   Image read_layer(const View& view, Layer layer);
 
@@ -34,6 +45,14 @@ class Renderer {
   Programs& programs() { return programs_; }
 
  private:
+  /// A probe as the driver has it.
+  struct GpuProbe {
+    vec3 position{0.0f};
+    Box3 box;
+    int levels = 1;
+    gl::Texture specular, diffuse, sheen;
+  };
+
   /// A picture to draw into.
   struct Target {
     gl::Framebuffer framebuffer;
@@ -46,20 +65,27 @@ class Renderer {
   void upload_table();
   void bind_shared(const FrameCamera& camera);
   void draw_shadows();
+  void draw_scattering(const FrameCamera& camera);
   void draw_background(const FrameCamera& camera);
   /// Draws those of `order` with the programs of `pass`.
   void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
+  void bind_probe(std::size_t draw, const gl::Program& program);
   void draw_quantity(Quantity quantity, const FrameCamera& camera);
-  void draw_one(std::size_t index, const PassKey& pass);
+  void draw_some(std::size_t first, std::size_t count, const PassKey& pass);
   void resolve(GLuint framebuffer);
 
-  const Scene& scene_;
+  const Scene* scene_;
   const Environment& environment_;
   Settings settings_;
   Diagnostics& diagnostics_;
   Programs programs_;
   GpuScene gpu_;
+  std::vector<GpuProbe> probes_;
   SceneLights lights_;
+  bool is_moved_light_ = false;    ///< shadows are seen from a point of each light that was not the middle
+  std::vector<int> area_of_draw_;  ///< which area light a draw is, -1 none
+  bool is_begun_ = false;
+  Diagnostics told_;  ///< warnings that were given before
   bool has_light_ = false;
   bool expects_light_ = false;  ///< the environment is more than suns
   int frame_ = 0;
@@ -70,6 +96,11 @@ class Renderer {
   std::array<gl::Texture, 2> visibility_;  ///< as found, and its mean
   gl::Framebuffer depth_framebuffer_;
   std::array<gl::Framebuffer, 2> visibility_framebuffer_;
+  bool has_scattering_ = false;           ///< something in the scene spreads light, and the picture shows it
+  std::array<gl::Texture, 2> scattered_;  ///< light that spreads, and how wide
+  std::array<gl::Renderbuffer, 2> scattered_samples_;
+  std::array<gl::Framebuffer, 2> scattered_framebuffer_;
+  gl::Sampler depth_sampler_;  ///< reads shadow maps without comparing
   gl::Texture resolved_, opaque_picture_;
   gl::Framebuffer resolved_framebuffer_, picture_framebuffer_, shadow_framebuffer_;
   gl::Buffer frame_block_, lights_block_;

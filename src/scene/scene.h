@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -118,6 +120,11 @@ struct Material {
   bool specular_glossiness = false;
   TextureSlot specular_glossiness_texture;  ///< RGB sRGB multiplies specular_color, A multiplies glossiness
 
+  /// Relief of the surface (extras.candela.heightTexture): along the normal by (height - height_level) × height_scale.
+  TextureSlot height_texture;  ///< R
+  float height_scale = 0.0f;   ///< metres in the mesh's space between black and white
+  float height_level = 1.0f;   ///< the value that lies on the mesh itself
+
   /// A measured metal (extras.candela.conductor): complex index n + ik at the red, green and blue primaries; used for
   /// the metallic part instead of base_color as F0. k = 0 in every channel: none.
   vec3 conductor_n{1.0f};
@@ -153,7 +160,8 @@ auto texture_slots(M& m) {
                     &m.thickness_texture,
                     &m.diffuse_transmission_texture,
                     &m.diffuse_transmission_color_texture,
-                    &m.specular_glossiness_texture};
+                    &m.specular_glossiness_texture,
+                    &m.height_texture};
 }
 
 /// What glTF calls the slots that texture_slots gives, in the same order.
@@ -178,7 +186,9 @@ inline constexpr auto kTextureSlotNames = std::to_array<std::string_view>({
     "diffuseTransmissionTexture",
     "diffuseTransmissionColorTexture",
     "specularGlossinessTexture",
+    "heightTexture",
 });
+static_assert(kTextureSlotNames.size() == std::tuple_size_v<decltype(texture_slots(std::declval<Material&>()))>);
 
 /// Whether the slot at this place of texture_slots holds sRGB colours; the others hold data.
 constexpr bool is_srgb_slot(std::size_t slot) {

@@ -2,6 +2,7 @@
 // quadrature or a fixed point set, so that all builds have the same numbers.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -15,6 +16,9 @@
 #include "shade/tables.glsl.h"
 
 namespace candela::shade {
+
+using glm::dmat3;
+using glm::dvec3;
 
 // The generator links no tables: nothing here may look one up.
 const float kTableEntries[] = {0.0f};
@@ -360,6 +364,155 @@ void make_film() {
   }
 }
 
+// ----- lobes as linearly transformed cosines
+
+/// A cosine lobe about z, transformed by the frame of the lobe's middle direction times
+///     | x 0 s |
+///     | 0 y 0 |
+///     | 0 0 1 |
+class TransformedCosine {
+ public:
+  TransformedCosine(dvec3 middle, std::array<double, 3> shape)
+      : map_(dmat3(dvec3(middle.z, 0, -middle.x), dvec3(0, 1, 0), middle) *
+             dmat3(dvec3(shape[0], 0, 0), dvec3(0, shape[1], 0), dvec3(shape[2], 0, 1))),
+        inverse_(glm::inverse(map_)),
+        scale_(std::abs(glm::determinant(inverse_))) {}
+
+  double density(dvec3 w) const {
+    const dvec3 v = inverse_ * w;
+    const double length = glm::length(v);
+    return std::max(v.z, 0.0) / length * std::numbers::inv_pi * scale_ / (length * length * length);
+  }
+  dvec3 sample(vec2 u) const {
+    const double r = std::sqrt(static_cast<double>(u.x)), phi = 2 * std::numbers::pi * static_cast<double>(u.y);
+    return glm::normalize(map_ * dvec3(r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - static_cast<double>(u.x))));
+  }
+  const dmat3& inverse() const { return inverse_; }
+
+ private:
+  dmat3 map_, inverse_;
+  double scale_;
+};
+
+/// A white lobe of GGX seen from one direction, as a density.
+class WhiteLobe {
+ public:
+  WhiteLobe(double mu, float alpha) : wo_(direction(mu)), alpha_(alpha) {
+    over_visible(wo_, alpha_, kPoints, [&](vec3 wm) {
+      const vec3 wi = microfacet_reflect(wo_, wm);
+      if (wi.z <= 0.0f) return;
+      const double weight = masking(wo_, wi, alpha_) / kPoints;
+      albedo_ += weight;
+      middle_ += dvec3(wi) * weight;
+    });
+    middle_.y = 0;
+    middle_ = glm::normalize(middle_);
+  }
+
+  dvec3 middle() const { return middle_; }
+  double density(vec3 wi) const {
+    if (wi.z <= 0.0f) return 0.0;
+    const vec3 wm = normalize(wo_ + wi);
+    return static_cast<double>(ggx_d(wm, alpha_)) * static_cast<double>(ggx_v_smith(wo_, wi, alpha_)) *
+           static_cast<double>(wi.z) / albedo_;
+  }
+
+  /// How much of one density lies elsewhere than the other, by points of both. (Heitz et al. take the cube of the
+  /// difference: then shares of polygons are a third further off, most at grazing angles.)
+  double distance(const TransformedCosine& cosine) const {
+    double sum = 0.0;
+    const auto add = [&](vec3 wi) {
+      const vec3 wm = normalize(wo_ + wi);
+      const double mine = density(wi), other = cosine.density(dvec3(wi));
+      const double sampled = static_cast<double>(ggx_pdf_visible(wo_, wm, alpha_)) + other;
+      if (sampled > 0.0) sum += std::abs(mine - other) / sampled;
+    };
+    for (int i = 0; i < kPoints; ++i) {
+      add(microfacet_reflect(wo_, ggx_sample_visible(wo_, alpha_, point(i))));
+      add(vec3(cosine.sample(point(i))));
+    }
+    return sum / kPoints;
+  }
+
+ private:
+  static constexpr int kPoints = 256;
+  vec3 wo_;
+  float alpha_;
+  double albedo_ = 0.0;
+  dvec3 middle_{0};
+};
+
+using Shape = std::array<double, 3>;
+
+/// The downhill simplex of Nelder & Mead 1965, "A Simplex Method for Function Minimization".
+Shape minimize(const std::function<double(const Shape&)>& f, const Shape& start, double step) {
+  constexpr std::size_t n = 3;
+  constexpr int kSteps = 60;
+  std::array<std::pair<double, Shape>, n + 1> simplex;
+  for (std::size_t i = 0; i <= n; ++i) {
+    simplex[i].second = start;
+    if (i > 0) simplex[i].second[i - 1] += step * std::max(std::abs(start[i - 1]), 0.05);
+    simplex[i].first = f(simplex[i].second);
+  }
+  const auto by_value = [](const auto& a, const auto& b) { return a.first < b.first; };
+  for (int k = 0; k < kSteps; ++k) {
+    std::sort(simplex.begin(), simplex.end(), by_value);
+    Shape center{};
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t c = 0; c < n; ++c) center[c] += simplex[i].second[c] / n;
+    }
+    const auto beyond = [&](double t) {
+      Shape p;
+      for (std::size_t c = 0; c < n; ++c) p[c] = center[c] + t * (simplex[n].second[c] - center[c]);
+      return std::pair(f(p), p);
+    };
+    const auto reflected = beyond(-1.0);
+    if (reflected.first < simplex[0].first) {
+      simplex[n] = std::min(reflected, beyond(-2.0), by_value);
+    } else if (reflected.first < simplex[n - 1].first) {
+      simplex[n] = reflected;
+    } else if (const auto inside = beyond(0.5); inside.first < simplex[n].first) {
+      simplex[n] = inside;
+    } else {
+      for (std::size_t i = 1; i <= n; ++i) {
+        for (std::size_t c = 0; c < n; ++c) simplex[i].second[c] = 0.5 * (simplex[i].second[c] + simplex[0].second[c]);
+        simplex[i].first = f(simplex[i].second);
+      }
+    }
+  }
+  return std::min_element(simplex.begin(), simplex.end(), by_value)->second;
+}
+
+/// From rough to smooth and from the normal to the horizon, each fit starting where its neighbour ended.
+void make_cosines() {
+  constexpr int n = kTableCosines;
+  Shape at_normal = {1.0, 1.0, 0.0};
+  for (int r = n - 1; r >= 0; --r) {
+    const float alpha = roughness_to_alpha(roughness_at(std::max(r, 1), n));
+    Shape shape = at_normal;
+    for (int m = n - 1; m >= 0; --m) {
+      const double mu = std::max(mu_at(m, n), 1e-3);
+      const WhiteLobe lobe(mu, alpha);
+      const bool is_round = m == n - 1;  // the lobe about the normal
+      const auto clean = [&](Shape s) {
+        s[0] = std::max(s[0], 1e-7), s[1] = std::max(s[1], 1e-7);
+        return is_round ? Shape{s[0], s[0], 0.0} : s;
+      };
+      const auto error = [&](const Shape& s) { return lobe.distance(TransformedCosine(lobe.middle(), clean(s))); };
+      shape = clean(minimize(error, shape, is_round ? 0.3 : 0.1));
+      if (is_round) at_normal = shape;
+      // A density does not know its map's scale: the middle number is 1.
+      dmat3 inverse = TransformedCosine(lobe.middle(), shape).inverse();
+      inverse /= inverse[1][1];
+      const int entry = (r * n + m) * 4;
+      at(kTableCosine, entry) = static_cast<float>(inverse[0][0]);
+      at(kTableCosine, entry + 1) = static_cast<float>(inverse[0][2]);
+      at(kTableCosine, entry + 2) = static_cast<float>(inverse[2][0]);
+      at(kTableCosine, entry + 3) = static_cast<float>(inverse[2][2]);
+    }
+  }
+}
+
 /// A table over (x, µ) read between its rows, `stride` floats per entry.
 double read_between(int table, double x, double mu, int stride, int offset) {
   const double r = x * (kTableRoughness - 1);
@@ -417,6 +570,7 @@ int main(int argc, char** argv) {
   make_over(kTableSheenOver, [](int layer, double mu) { return 1.0 - sheen_albedo(layer, mu); });
   make_anisotropic();
   make_film();
+  make_cosines();
   std::FILE* file = std::fopen(argv[1], "w");
   if (file == nullptr) return 1;
   write(file);

@@ -61,7 +61,11 @@ SHADE_CONST int kTableAnisotropicMean = kTableAnisotropic + 2 * kTableAnisotropi
 SHADE_CONST int kFilmCosines = 8;
 SHADE_CONST int kTableFilm = kTableAnisotropicMean + 2 * kTableWidths * kTableWidths;
 SHADE_CONST int kTableFilmMean = kTableFilm + kFilmCosines * kTableRoughness * kTableMu;
-SHADE_CONST int kTableSize = kTableFilmMean + kFilmCosines * kTableRoughness;
+/// The linear map that turns a white lobe of GGX into a clamped cosine: four of its numbers, see area_lobe().
+/// [roughness][mu][4]
+SHADE_CONST int kTableCosines = 32;  // of either
+SHADE_CONST int kTableCosine = kTableFilmMean + kFilmCosines * kTableRoughness;
+SHADE_CONST int kTableSize = kTableCosine + kTableCosines * kTableCosines * 4;
 
 // ----- interpolation
 
@@ -121,6 +125,21 @@ SHADE_FN float table_film(int i, TableCell mu, TableCell roughness) {
 
 SHADE_FN float table_film_mean(int i, TableCell roughness) {
   return table_linear(kTableFilmMean + i * kTableRoughness, roughness);
+}
+
+// ----- lobes as transformed cosines
+
+SHADE_FN vec4 table_cosine_entry(int entry) {
+  return vec4(shade_table(entry), shade_table(entry + 1), shade_table(entry + 2), shade_table(entry + 3));
+}
+
+SHADE_FN vec4 table_cosine(float mu, float roughness) {
+  TableCell m = table_cell_mu(mu, kTableCosines);
+  TableCell r = table_cell(roughness, kTableCosines);
+  int a = kTableCosine + (r.i * kTableCosines + m.i) * 4;
+  int b = a + kTableCosines * 4;
+  return mix(mix(table_cosine_entry(a), table_cosine_entry(a + 4), m.t),
+             mix(table_cosine_entry(b), table_cosine_entry(b + 4), m.t), r.t);
 }
 
 // ----- sheen

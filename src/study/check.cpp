@@ -40,7 +40,7 @@ std::vector<Finding> check_asset(const CheckInput& input) {
   check_textures(input.scene, surfaces, findings);
   check_normal_maps(input.scene, surfaces, findings);
   check_surfaces(input.scene, surfaces, findings);
-  check_volumes(input.scene, surfaces, findings);
+  check_volumes(input.scene, findings);
   check_lights(input.scene, findings);
   std::stable_sort(findings.begin(), findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });

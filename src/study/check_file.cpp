@@ -143,11 +143,8 @@ void pass_warnings(const CheckInput& input, std::vector<Finding>& findings) {
   }
   for (const Diagnostic& warning : input.warnings) {
     const std::string_view where = warning.where;
-    // Extensions have findings of their own; that animations rest is no fault of the asset.
-    if (where.ends_with("#/extensionsUsed") || where.ends_with("#/extensionsRequired") ||
-        where.ends_with("#/animations")) {
-      continue;
-    }
+    // Extensions have findings of their own.
+    if (where.ends_with("#/extensionsUsed") || where.ends_with("#/extensionsRequired")) continue;
     if (without_uv.contains(warning.where) && warning.message.find("TEXCOORD_") != std::string::npos) continue;
     findings.push_back(plain(Severity::warning, "file-oddity", warning.where, warning.message));
   }

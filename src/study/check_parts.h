@@ -12,7 +12,7 @@ void check_surfaces(const Scene& scene, const std::vector<MaterialSurface>& surf
 void check_textures(const Scene& scene, const std::vector<MaterialSurface>& surfaces, std::vector<Finding>& findings);
 void check_normal_maps(const Scene& scene, const std::vector<MaterialSurface>& surfaces,
                        std::vector<Finding>& findings);
-void check_volumes(const Scene& scene, const std::vector<MaterialSurface>& surfaces, std::vector<Finding>& findings);
+void check_volumes(const Scene& scene, std::vector<Finding>& findings);
 void check_lights(const Scene& scene, std::vector<Finding>& findings);
 void check_file(const CheckInput& input, std::vector<Finding>& findings);
 

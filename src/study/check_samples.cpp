@@ -72,8 +72,7 @@ SurfaceSample MaterialSurface::sample(std::uint32_t index) const {
   const Face& face = faces_[static_cast<std::size_t>(chosen.index)];
   // Turk 1990, "Generating Random Points in Triangles", Graphics Gems.
   const float s = std::sqrt(chosen.u);
-  return {
-      face.primitive, face.triangle, face.primitive->triangles[face.triangle], {1.0f - s, s * (1.0f - u.y), s * u.y}};
+  return {face.primitive, face.primitive->triangles[face.triangle], {1.0f - s, s * (1.0f - u.y), s * u.y}};
 }
 
 std::vector<MaterialSurface> material_surfaces(const Scene& scene) {

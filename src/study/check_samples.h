@@ -11,8 +11,7 @@ namespace candela::study {
 /// A point of a surface, before any transform.
 struct SurfaceSample {
   const Primitive* primitive = nullptr;
-  std::uint32_t index = 0;  ///< of the triangle
-  uvec3 triangle{0};        ///< its vertices
+  uvec3 triangle{0};
   vec3 barycentric{0.0f};
 
   vec2 uv(int set) const;  ///< authored; (0, 0) where the primitive has no such set

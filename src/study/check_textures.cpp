@@ -38,6 +38,7 @@ constexpr std::array<Use, kTextureSlotNames.size()> kUses = {
     Use::alpha,   // diffuseTransmission
     Use::color,   // diffuseTransmissionColor
     Use::color,   // specularGlossiness
+    Use::data,    // height
 };
 
 bool is_uniform(const TextureImage& image) {

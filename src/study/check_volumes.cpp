@@ -45,37 +45,83 @@ EdgeReport inspect_mesh(const Mesh& mesh, int material) {
   return inspect_edges(positions, triangles, default_weld_distance(positions));
 }
 
-/// Where a primitive stands, as the path tracer numbers it: placements follow nodes and their primitives that have
-/// triangles, in order (path/geometry.cpp).
-struct Placements {
-  struct Of {
-    std::vector<int> placements;
-    std::vector<float> areas;
-    Distribution1D by_area;
+/// What the path tracer holds of one material: meshes, a displaced one with the triangles of its relief, and where they
+/// stand.
+class Bodies {
+ public:
+  struct Site {
+    int placement = -1;
+    std::uint32_t triangle = 0;
+    vec3 barycentric{0.0f};
   };
-  std::unordered_map<const Primitive*, Of> of_primitive;
-  std::vector<int> materials;  ///< by placement
 
-  explicit Placements(const Scene& scene) {
-    for (const Node& node : scene.nodes) {
-      if (node.mesh < 0) continue;
-      const auto scale = static_cast<float>(area_scale(node.world_from_node));
-      for (const Primitive& p : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
-        if (p.triangles.empty()) continue;
-        Of& of = of_primitive[&p];
-        of.placements.push_back(static_cast<int>(materials.size()));
-        of.areas.push_back(scale);
-        materials.push_back(p.material);
-      }
-    }
-    for (auto& [primitive, of] : of_primitive) of.by_area = Distribution1D(of.areas);
-  }
+  /// `placements` of this material.
+  Bodies(const path::Geometry& geometry, const std::vector<int>& placements);
 
-  int choose(const Primitive* primitive, float u) const {
-    const Of& of = of_primitive.at(primitive);
-    return of.placements[static_cast<std::size_t>(of.by_area.sample(u).index)];
-  }
+  bool empty() const { return meshes_.empty(); }
+  /// A point spread by area over all of it, for three uniform numbers.
+  Site sample(vec3 u) const;
+
+ private:
+  struct Stored {
+    std::vector<int> placements;
+    std::vector<float> scales;  ///< of areas
+    Distribution1D by_scale, by_area;
+  };
+  std::vector<Stored> meshes_;
+  Distribution1D by_area_;
 };
+
+Bodies::Bodies(const path::Geometry& geometry, const std::vector<int>& placements) {
+  std::unordered_map<const path::MeshData*, std::size_t> index_of;
+  std::vector<float> areas;
+  for (const int i : placements) {
+    const path::Placement& placement = geometry.placement(i);
+    const path::MeshData& mesh = *placement.mesh;
+    const auto [found, is_new] = index_of.try_emplace(&mesh, meshes_.size());
+    if (is_new) {
+      std::vector<float> of_triangles;
+      of_triangles.reserve(mesh.triangles.size());
+      for (const uvec3& t : mesh.triangles) {
+        const vec3 a = mesh.vertices[t.x].position;
+        of_triangles.push_back(
+            glm::length(glm::cross(mesh.vertices[t.y].position - a, mesh.vertices[t.z].position - a)));
+      }
+      meshes_.emplace_back().by_area = Distribution1D(of_triangles);
+      areas.push_back(0.0f);
+    }
+    Stored& stored = meshes_[found->second];
+    const float scale = placement.is_world ? 1.0f : static_cast<float>(area_scale(placement.world_from_object));
+    stored.placements.push_back(i);
+    stored.scales.push_back(scale);
+    areas[found->second] += scale * static_cast<float>(stored.by_area.total());
+  }
+  for (Stored& stored : meshes_) stored.by_scale = Distribution1D(stored.scales);
+  if (!areas.empty()) by_area_ = Distribution1D(areas);
+}
+
+Bodies::Site Bodies::sample(vec3 u) const {
+  const Distribution1D::Sample mesh = by_area_.sample(u.x);
+  const Stored& stored = meshes_[static_cast<std::size_t>(mesh.index)];
+  const Distribution1D::Sample triangle = stored.by_area.sample(mesh.u);
+  const float s = std::sqrt(triangle.u);
+  return {stored.placements[static_cast<std::size_t>(stored.by_scale.sample(u.z).index)],
+          static_cast<std::uint32_t>(triangle.index),
+          {1.0f - s, s * (1.0f - u.y), s * u.y}};
+}
+
+/// The material of each placement: they follow nodes and their primitives that have triangles, in order
+/// (path/geometry.cpp).
+std::vector<int> materials_of_placements(const Scene& scene) {
+  std::vector<int> result;
+  for (const Node& node : scene.nodes) {
+    if (node.mesh < 0) continue;
+    for (const Primitive& p : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
+      if (!p.triangles.empty()) result.push_back(p.material);
+    }
+  }
+  return result;
+}
 
 /// What rays find that start just inside of a body.
 struct Crossing {
@@ -94,36 +140,31 @@ float median(std::vector<float> values) {
 
 class BodyProbe {
  public:
-  BodyProbe(const Scene& scene, const path::Geometry& geometry, const Placements& placed)
-      : scene_(scene), geometry_(geometry), placed_(placed) {}
+  BodyProbe(const Scene& scene, const path::Geometry& geometry, const std::vector<int>& materials)
+      : scene_(scene), geometry_(geometry), materials_(materials) {}
 
-  Crossing probe(int material, const MaterialSurface& surface, std::size_t points) const;
+  Crossing probe(int material, const std::vector<int>& placements, std::size_t points) const;
 
  private:
-  struct Site {
-    int placement;
-    std::uint32_t triangle;
-    vec3 barycentric;
-  };
-  void cast(const Site& site, const path::TextureReader& thickness, vec2 u, Crossing& result) const;
+  void cast(const Bodies::Site& site, const path::TextureReader& thickness, vec2 u, Crossing& result) const;
   /// The body's far side in this direction; 0 where another thing lies before it, negative where the ray is lost.
   float leave(int own, vec3 origin, vec3 direction, float clearance) const;
 
   const Scene& scene_;
   const path::Geometry& geometry_;
-  const Placements& placed_;
+  const std::vector<int>& materials_;  ///< by placement
 };
 
 float BodyProbe::leave(int own, vec3 origin, vec3 direction, float clearance) const {
   const path::Hit hit = geometry_.intersect({origin, direction, 0.0f, kInfinity}, 0);
   if (!hit) return -1.0f;
-  const int material = placed_.materials[static_cast<std::size_t>(hit.placement)];
+  const int material = materials_[static_cast<std::size_t>(hit.placement)];
   if (!is_body(scene_.materials[static_cast<std::size_t>(material)])) return 0.0f;
   if (path::is_back_hit(geometry_, hit, direction)) return hit.t + clearance;
-  return material == placed_.materials[static_cast<std::size_t>(own)] ? -1.0f : 0.0f;
+  return material == materials_[static_cast<std::size_t>(own)] ? -1.0f : 0.0f;
 }
 
-void BodyProbe::cast(const Site& site, const path::TextureReader& thickness, vec2 u, Crossing& result) const {
+void BodyProbe::cast(const Bodies::Site& site, const path::TextureReader& thickness, vec2 u, Crossing& result) const {
   const vec3 b = site.barycentric;
   const path::Placement& placement = geometry_.placement(site.placement);
   const path::TrianglePositions p = path::triangle_positions(placement, site.triangle);
@@ -154,17 +195,17 @@ void BodyProbe::cast(const Site& site, const path::TextureReader& thickness, vec
   if (leave(site.placement, origin, direction, clearance) < 0.0f) ++result.lost;
 }
 
-Crossing BodyProbe::probe(int material, const MaterialSurface& surface, std::size_t points) const {
+Crossing BodyProbe::probe(int material, const std::vector<int>& placements, std::size_t points) const {
   Crossing result;
-  if (surface.empty()) return result;
+  const Bodies bodies(geometry_, placements);
+  if (bodies.empty()) return result;
   const path::TextureReader thickness(scene_, scene_.materials[static_cast<std::size_t>(material)].thickness_texture,
                                       path::Encoding::data);
   constexpr std::uint32_t kSeed = 0x626f6479;
   for (std::uint32_t i = 0; i < points; ++i) {
     SobolSampler sampler(kSeed, i);
-    const SurfaceSample point = surface.sample(i);
-    const int placement = placed_.choose(point.primitive, sampler.next_1d());
-    cast({placement, point.index, point.barycentric}, thickness, sampler.next_2d(), result);
+    const vec3 u = sampler.next_3d();
+    cast(bodies.sample(u), thickness, sampler.next_2d(), result);
   }
   return result;
 }
@@ -266,20 +307,24 @@ void judge_thickness(const Material& m, int material, const Crossing& rays, std:
 
 }  // namespace
 
-void check_volumes(const Scene& scene, const std::vector<MaterialSurface>& surfaces, std::vector<Finding>& findings) {
+void check_volumes(const Scene& scene, std::vector<Finding>& findings) {
   std::vector<int> bodies;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     if (is_body(scene.materials[i])) bodies.push_back(static_cast<int>(i));
   }
   if (bodies.empty()) return;
   const path::Geometry geometry(scene);
-  const Placements placed(scene);
-  const BodyProbe probe(scene, geometry, placed);
+  const std::vector<int> materials = materials_of_placements(scene);
+  std::vector<std::vector<int>> placements(scene.materials.size());
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    placements[static_cast<std::size_t>(materials[i])].push_back(static_cast<int>(i));
+  }
+  const BodyProbe probe(scene, geometry, materials);
   const std::size_t points = std::clamp(kPointsInAll / bodies.size(), kLeastPoints, kMostPoints);
   std::vector<std::vector<Finding>> of_body(bodies.size());
   parallel_for(0, bodies.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Crossing rays = probe.probe(bodies[i], surfaces[static_cast<std::size_t>(bodies[i])], points);
+      const Crossing rays = probe.probe(bodies[i], placements[static_cast<std::size_t>(bodies[i])], points);
       if (rays.rays == 0) continue;
       judge_shape(bodies[i], inspect_material(scene, bodies[i]), rays, of_body[i]);
       judge_thickness(scene.materials[static_cast<std::size_t>(bodies[i])], bodies[i], rays, of_body[i]);

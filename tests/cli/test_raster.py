@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """`candela render --engine raster`, turntables and several scenes at once."""
 
+import base64
 import json
 import os
 import pathlib
 import shutil
+import struct
 import tempfile
 
 import candela
@@ -74,7 +76,23 @@ class Pictures(RasterTest):
 
     def test_a_scene_that_only_glows_is_told(self):
         arguments = ("--size", "16x12", "--engine", "raster", "--env", "none", "-o", "a.png")
-        self.assertIn("only what glows", self.draws("render", "demo:cornell", *arguments).err)
+        # Lamps painted on a bent surface.
+        points = struct.pack("<12f6H", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 2, 0, 3, 1)
+        uvs = struct.pack("<8f", 0, 0, 1, 0, 0, 1, 1, 1)
+        pixel = ("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==")
+        data = base64.b64encode(points + uvs).decode()
+        (self.folder / "lamps.gltf").write_text(json.dumps({
+            "asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "indices": 1, "material": 0}]}],
+            "materials": [{"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0}}],
+            "textures": [{"source": 0}], "images": [{"uri": pixel}],
+            "buffers": [{"byteLength": 92, "uri": "data:application/octet-stream;base64," + data}],
+            "bufferViews": [{"buffer": 0, "byteOffset": a, "byteLength": n} for a, n in ((0, 48), (48, 12), (60, 32))],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                          {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
+                          {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"}]}))  # fmt: skip
+        self.assertIn("only what glows", self.draws("render", "lamps.gltf", *arguments).err)
+        self.assertNotIn("warning", self.draws("render", "demo:cornell", *arguments).err)
         self.assertNotIn("warning", self.draws(*SPHERES, "-o", "b.png").err)
 
     def test_no_opengl_says_what_was_tried_and_what_helps(self):
@@ -137,6 +155,53 @@ class Batches(RasterTest):
 
     def test_several_scenes_want_a_folder(self):
         self.refuses("render", "demo:spheres", "demo:materials", "-o", "a.png", says="DIR")
+
+    def test_an_animation_makes_a_sequence(self):
+        fox = self.assets() / "models/Fox/glTF-Binary/Fox.glb"
+        (self.folder / "s").mkdir()
+        arguments = ("render", fox, "--animation", "Run", "--size", "48x32")
+        for engine in ("raster", "path"):
+            self.draws(*arguments, "--engine", engine, "--sequence", "3", "-o", f"s/{engine}%d.png", *(["--spp", "1"] if engine == "path" else []))
+            names = [self.folder / "s" / f"{engine}{i}.png" for i in range(3)]
+            self.assertEqual(len({name.read_bytes() for name in names}), 3)
+            self.draws(*arguments, "--engine", engine, "--frame-time", "0s", "-o", "first.png", *(["--spp", "1"] if engine == "path" else []))
+            self.assertEqual(names[0].read_bytes(), (self.folder / "first.png").read_bytes())
+
+    def test_the_shutter_blurs_what_moves(self):
+        cube = self.assets() / "models/AnimatedCube/glTF/AnimatedCube.gltf"
+        arguments = ("render", cube, "--engine", "raster", "--size", "64x48", "--frame-time", "0.3s")
+        self.draws(*arguments, "-o", "sharp.png", "--spp", "8")
+        self.draws(*arguments, "-o", "blurred.png", "--shutter", "200ms", "--spp", "8")
+        self.assertNotEqual((self.folder / "sharp.png").read_bytes(), (self.folder / "blurred.png").read_bytes())
+
+    def test_animations_that_are_not_there_are_told(self):
+        self.fails(*SPHERES, "--animation", "walk", says="a built-in scene has no animations", env=self.environment)
+        fox = self.assets() / "models/Fox/glTF-Binary/Fox.glb"
+        self.fails("render", fox, "--animation", "Fly", says="the file has: Survey, Walk, Run", env=self.environment)
+        result = self.draws(*SPHERES, "--frame-time", "1s", "-o", "a.png")
+        self.assertIn("nothing in it is animated", result.err)
+
+    def test_what_makes_no_sense_in_time_is_refused(self):
+        self.refuses(*SPHERES, "--sequence", "2", "--turntable", "2", "-o", "a%d.png", says="--turntable")
+        self.refuses(*SPHERES, "--frame-time", "soon", says="--frame-time")
+
+
+class Kinds(RasterTest):
+    def test_each_option_changes_the_picture(self):
+        pictures = set()
+        for options in ([], ["--ambient", "harmonics"], ["--ambient", "mips"], ["--ambient", "constant"], ["--ambient", "none"],
+                        ["--bloom", "0.3"], ["--ao", "0.6"], ["--probes", "1"]):  # fmt: skip
+            self.draws(*SPHERES, *options, "-o", "a.png")
+            pictures.add((self.folder / "a.png").read_bytes())
+        self.assertEqual(len(pictures), 8)
+
+    def test_lamps_have_soft_shadows_where_asked_for(self):
+        (self.folder / "lit.glb").write_bytes(triangle_glb(light={"type": "point", "intensity": 10}))
+        self.draws("render", "lit.glb", "--engine", "raster", "--size", "16x16", "--light-radius", "0.1", "-o", "a.png")
+
+    def test_what_is_no_kind_of_light_is_refused(self):
+        self.refuses(*SPHERES, "--ambient", "warm", says="--ambient")
+        self.refuses(*TRACED, "--probes", "1", says="only for --engine raster")
 
 
 if __name__ == "__main__":

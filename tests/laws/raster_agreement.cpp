@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/gltf.h"
+#include "path/capture.h"
 #include "raster/render.h"
 #include "unit/path/scenes.h"
 #include "unit/raster/gl_fixture.h"
@@ -13,6 +15,7 @@ namespace candela {
 namespace {
 
 using namespace test;
+namespace fs = std::filesystem;
 
 class law_raster : public NeedsGl {};  // NOLINT(readability-identifier-naming): a suite is named as its laws
 
@@ -278,6 +281,210 @@ TEST_F(law_raster, layers_are_those_of_the_path_tracer) {
       differing += is_same ? 0 : 1;
     }
     EXPECT_LT(differing, static_cast<int>(e.pixels.size()) / 200) << layer_name(layer);
+  }
+}
+
+/// Σ |a - b| over Σ a.
+double mean_difference(const Image& expected, const Image& found) {
+  double sum = 0.0, weight = 0.0;
+  for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
+    if (i % 4 == 3) continue;
+    sum += std::abs(static_cast<double>(expected.pixels[i] - found.pixels[i]));
+    weight += static_cast<double>(expected.pixels[i]);
+  }
+  return sum / weight;
+}
+
+TEST_F(law_raster, panels_and_bulbs_light_what_is_around_them) {
+  const View view = look_at({2.5f, 2.2f, 3.0f}, {0.6f, 0.2f, 0}, 0.5f);  // which sees no lamp
+  for (const bool is_panel : {true, false}) {
+    for (const Material& m : {matte(vec3(0.8f)), plastic(vec3(0.3f, 0.2f, 0.5f), 0.4f), metal(vec3(0.9f), 0.5f)}) {
+      SceneBuilder b;
+      b.add(plane(vec3(0.0f), 3.0f), m);
+      b.add(sphere({0.0f, 0.6f, 0.0f}, 0.6f, 5, false), m);
+      if (is_panel) {
+        b.add(quad({-1.8f, 0.4f, -1.0f}, {0, 1.4f, 0}, {0, 0, 1.6f}), lamp(vec3(4.0f)));
+      } else {
+        b.add(sphere({-1.5f, 1.2f, 0.3f}, 0.3f, 4, false), lamp(vec3(8.0f)));
+      }
+      const Scene scene = b.build();
+      const Film expected = shoot(scene, dark_environment(), view, settings(64, 256, 1));
+      raster::Settings many = drawn(64);
+      many.frames = 32;
+      const Film found = draw(scene, dark_environment(), view, many);
+      // The lobes are fitted, without the long tails of GGX, which are what a metal shows beside its highlights; and
+      // the bulb is a square that turns.
+      const double most = m.metallic > 0.0f ? 0.35 : 0.1;
+      EXPECT_LT(mean_difference(expected.beauty, found.beauty), most) << is_panel << " roughness " << m.roughness;
+      // The twin: without them the picture is that of the lamps alone.
+      raster::Settings glow = drawn(64);
+      glow.quantity = raster::Quantity::emission;
+      EXPECT_GT(mean_difference(expected.beauty, draw(scene, dark_environment(), view, glow).beauty), 0.9);
+    }
+  }
+}
+
+TEST_F(law_raster, soft_shadows_are_as_wide_as_the_sun) {
+  SceneBuilder b;
+  b.add(plane(vec3(0.0f), 2.0f), matte(vec3(0.8f)));
+  b.add(box({-0.5f, 0.8f, -0.5f}, {0.5f, 1.0f, 0.5f}), matte(vec3(0.5f)));
+  const Scene scene = b.build();
+  Environment environment = dark_environment();
+  SunDisc sun;
+  sun.direction = glm::normalize(vec3(0.3f, 1.0f, 0.2f));
+  sun.angular_radius = 0.12f;
+  sun.radiance = vec3(60.0f);
+  environment.suns = {sun};
+  const View view = look_at({0.5f, 4.0f, 2.5f}, vec3(0.0f), 0.9f);
+  const Film expected = shoot(scene, environment, view, settings(64, 256, 1));
+  raster::Settings soft = drawn(64);
+  soft.has_soft_shadows = true;
+  soft.frames = 64;  // each from another point of the sun
+  const double softly = mean_difference(expected.beauty, draw(scene, environment, view, soft).beauty);
+  raster::Settings hard = soft;
+  hard.has_soft_shadows = false;
+  const double hardly = mean_difference(expected.beauty, draw(scene, environment, view, hard).beauty);
+  EXPECT_LT(softly, 0.008);
+  EXPECT_GT(hardly, 1.6 * softly);
+}
+
+TEST_F(law_raster, light_spreads_in_bodies_and_none_is_lost) {
+  Material wax = plastic(vec3(1.0f), 0.5f);
+  wax.diffuse_transmission = 1.0f;
+  wax.thickness = 2.0f;
+  wax.multiscatter_color = vec3(0.8f);
+  wax.attenuation_color = vec3(0.36787944f);
+  const auto shown = [&](float mean_free_path) {
+    Material m = wax;
+    m.attenuation_distance = mean_free_path;
+    SceneBuilder b;
+    b.add(sphere(vec3(0.0f), 1.0f, 5, false), m);
+    b.add_light(sunlight(vec3(1.0f), 3.0f), aimed({5, 1, 0}, vec3(0.0f)));
+    return draw(b.build(), dark_environment(), look_at({0, 0, 3}, vec3(0.0f), 0.9f), drawn(kSize)).beauty;
+  };
+  const Image narrow = shown(1e-3f), wide = shown(0.05f);
+  // Light crosses the terminator, and as much is there in all.
+  const int dark = kSize / 2 - 6, middle = kSize / 2;
+  EXPECT_LT(narrow.rgb(dark, middle).x, 1e-3f);
+  EXPECT_GT(wide.rgb(dark, middle).x, 5e-3f);
+  EXPECT_NEAR(mean_luminance(wide) / mean_luminance(narrow), 1.0, 0.06);
+}
+
+TEST_F(law_raster, relief_is_where_the_path_tracer_displaces_to) {
+  // A checkered plane whose height map is black all over lies lower by the whole scale.
+  SceneBuilder b;
+  Material m = unlit(vec3(1.0f));
+  std::vector<std::uint8_t> checks;
+  for (int i = 0; i < 64; ++i)
+    checks.insert(checks.end(), {255, static_cast<std::uint8_t>((i + i / 8) % 2 * 255), 40, 255});
+  m.base_color_texture = slot(b.add_texture(8, 8, checks));
+  m.height_texture = slot(b.add_texture(1, 1, {0, 0, 0, 255}));
+  m.height_scale = 0.3f;
+  b.add(plane(vec3(0.0f), 3.0f), m);
+  const Scene scene = b.build();
+  const View view = look_at({0.3f, 1.2f, 1.6f}, {0.3f, 0, 0}, 0.7f);
+  const Film expected = shoot(scene, dark_environment(), view, settings(kSize, 64, 1));
+  raster::Settings settings = drawn(kSize);
+  settings.frames = 8;
+  EXPECT_LT(mean_difference(expected.beauty, draw(scene, dark_environment(), view, settings).beauty), 0.06);
+  Scene flat = scene;
+  flat.materials.back().height_texture = {};
+  EXPECT_GT(mean_difference(expected.beauty, draw(flat, dark_environment(), view, settings).beauty), 0.12);
+}
+
+TEST_F(law_raster, probes_of_an_open_place_see_the_environment) {
+  const Environment sky = mapped_environment(128, 64, [](vec3 d) { return vec3(0.5f) + 0.4f * d; });
+  SceneBuilder b;
+  b.add(sphere(vec3(0.0f), 1.0f, 5, false), plastic(vec3(0.6f, 0.3f, 0.2f), 0.5f));
+  const Scene scene = b.build();
+  // A box far larger than the sphere: its walls are far away.
+  const Cubemap seen = path::capture_environment(SceneBuilder{}.build(), sky, vec3(0.0f), 64, {.samples = 64});
+  const raster::Probe probe{vec3(0.0f), {vec3(-1e4f), vec3(1e4f)}, raster::bake_light(seen.levels[0], false)};
+  raster::Session session;
+  Diagnostics diagnostics;
+  const auto shown = [&](const std::vector<raster::Probe>& probes) {
+    Image image;
+    session.set_probes(probes);
+    session.draw(scene, sky, {sphere_view()}, drawn(kSize), diagnostics,
+                 [&](std::size_t, Film film) { image = std::move(film.beauty); });
+    return image;
+  };
+  const Image without = shown({});
+  EXPECT_LT(mean_difference(without, shown({probe})), 0.01);
+  raster::Probe near = probe;
+  near.box = {vec3(-1.1f), vec3(1.1f)};
+  EXPECT_GT(mean_difference(without, shown({near})), 0.004) << "walls that are near are seen elsewhere";
+}
+
+TEST_F(law_raster, simple_kinds_of_ambient_light_keep_the_mean) {
+  const Environment sky = mapped_environment(128, 64, [](vec3 d) { return vec3(0.5f) + 0.4f * d; });
+  const raster::BakedLight baked = raster::bake_light(sky, false, {});
+  const auto mean = [](const CubeFaces& faces) {
+    double sum = 0.0;
+    for (const Image& face : faces) sum += mean_luminance(face) / 6.0;
+    return sum;
+  };
+  for (const raster::Ambient kind : {raster::Ambient::harmonics, raster::Ambient::mips, raster::Ambient::constant}) {
+    const raster::BakedLight light = raster::simplified(baked, kind);
+    EXPECT_NEAR(mean(light.irradiance) / mean(baked.irradiance), 1.0, 0.02) << static_cast<int>(kind);
+  }
+  // A gradient is all in the first two bands.
+  const raster::BakedLight nine = raster::simplified(baked, raster::Ambient::harmonics);
+  EXPECT_LT(mean_difference(baked.irradiance[0], nine.irradiance[0]), 2e-3);
+  EXPECT_GT(mean_difference(baked.irradiance[0], raster::simplified(baked, raster::Ambient::constant).irradiance[0]),
+            0.1);
+  EXPECT_TRUE(raster::simplified(baked, raster::Ambient::none).specular.empty());
+}
+
+// Whatever carries a vertex, it stands at one place.
+TEST_F(law_raster, animated_skinned_and_morphed_models_stand_alike) {
+  const fs::path models = fs::path(CANDELA_ASSETS) / "models";
+  if (!fs::exists(models)) GTEST_SKIP() << "no assets at " << models;
+  struct Sample {
+    const char* file;
+    double moment_s;
+    const char* animation = "";
+  };
+  for (const Sample& sample :
+       {Sample{"CesiumMan/glTF-Binary/CesiumMan.glb", 0.6}, Sample{"Fox/glTF-Binary/Fox.glb", 0.4},
+        Sample{"MorphStressTest/glTF-Binary/MorphStressTest.glb", 0.7},
+        Sample{"InterpolationTest/glTF-Binary/InterpolationTest.glb", 1.1, "all"},
+        Sample{"SimpleInstancing/glTF-Binary/SimpleInstancing.glb", 0.0}}) {
+    Diagnostics diagnostics;
+    io::GltfFile file(models / sample.file, diagnostics);
+    const Scene rest = file.scene(diagnostics);
+    const Scene scene = file.scene(diagnostics, io::Pose{sample.animation, sample.moment_s});
+    const Box3 bounds = world_bounds(scene);
+    const View view = frame_box(bounds, 1.0f, 0.8f);
+    raster::Settings settings = drawn(kSize);
+    settings.layers = {Layer::position};
+    path::Settings traced;
+    traced.width = traced.height = kSize;
+    traced.samples = 1;
+    traced.layers = settings.layers;
+    Environment environment;
+    environment.constant = vec3(1.0f);
+    const Image expected = path::render(scene, environment, view, traced).layers.at(Layer::position);
+    const Image found = draw(scene, environment, view, settings).layers.at(Layer::position);
+    const float size = glm::length(bounds.size());
+    int covered = 0, apart = 0;
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) {
+        covered += max_component(glm::abs(expected.rgb(x, y))) > 0.0f ? 1 : 0;
+        apart += glm::length(expected.rgb(x, y) - found.rgb(x, y)) > 1e-3f * size ? 1 : 0;
+      }
+    }
+    EXPECT_GT(covered, kSize) << sample.file;
+    // Edges, where the two round a pixel's centre to either side.
+    EXPECT_LT(apart, covered / 50 + 4) << sample.file;
+    if (sample.moment_s == 0.0) continue;
+    // And it is not where it rests.
+    const Image resting = draw(rest, environment, view, settings).layers.at(Layer::position);
+    int moved = 0;
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) moved += glm::length(resting.rgb(x, y) - found.rgb(x, y)) > 1e-2f * size ? 1 : 0;
+    }
+    EXPECT_GT(moved, covered / 20) << sample.file;
   }
 }
 

@@ -35,6 +35,9 @@ const std::vector<Row>& rows() {
       {"eon_f", {.relative = 1e-3}},
       // 1 less an albedo, which is next to 1 where a boundary is smooth.
       {"layers_glass_escape_mean", {.floor = 1e-2}},
+      // Edges that cancel: what is left of terms of up to π, over 2 π.
+      {"area_share", {.floor = 3e-2}},
+      {"area_edge*", {.floor = 1e-2}},
       // A distance between colours that are nearly the same.
       {"workflow_residual", {.floor = 1e-2}},
       // u.y next to 1 leaves almost nothing of the half vector to normalise.

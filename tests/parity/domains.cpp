@@ -159,10 +159,14 @@ const std::vector<Row>& rows() {
       {"table_film*:i", whole(0, shade::kFilmCosines - 1)},
       {"table_bilinear:width", whole(2, shade::kTableMu)},
       {"table_*:at", whole(0, shade::kTableSize - 2 * shade::kTableMu * shade::kTableMu)},
+      {"table_cosine_entry:entry", whole(shade::kTableCosine, shade::kTableSize - 4)},
       {"table_*:entry", whole(0, shade::kTableSize - 3)},
       {"wavelength_lobe:i", whole(0, 4)},
 
       // ----- one function
+      {"area_*:[abcd]", uniform(-2.0f, 2.0f)},
+      {"area_*:down", uniform(-2.0f, 2.0f)},
+      {"area_*:up", uniform(-2.0f, 2.0f)},
       {"*refract*:wi", direction(-1.0f, -0.02f)},
       {"surface_*:wi", direction(-0.3f, 1.0f)},  // a quarter of them below the surface
       {"base_eval:wi", direction(-0.3f, 1.0f)},

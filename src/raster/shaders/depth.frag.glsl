@@ -1,4 +1,5 @@
 #ifdef ALPHA_MASK
+#undef HAS_height
 #include "material.glsl"
 
 in float v_alpha;

@@ -6,5 +6,7 @@ layout(std140) uniform Frame {
   vec4 light;         // x: levels of the prefiltered cube, y: 1 where there is image-based light, z: least roughness,
                       // w: how much of a pixel's area one sample stands for
   vec4 target;        // width, height, levels of the opaque picture, 1 where it is there
-  ivec4 counts;       // lights; bits of raster/quantity.h's Part; the only light that is shown, or -1
+  vec4 soft;          // x: radius of points and spots, metres, y: a turn that changes from frame to frame,
+                      // z: share of a light's radius that this frame's shadows have
+  ivec4 counts;       // lights; bits of raster/quantity.h's Part; the only light that is shown, or -1; areas
 };

@@ -10,17 +10,99 @@ struct Light {
   vec4 across;     // the light's own +x; w: +1 or -1, the side of its +y
 };
 
+// A rectangle, or where shape.x is 1 a square about corners[0] that faces what it lights, half of whose side is
+// corners[1].x.
+struct Area {
+  vec4 corners[4];  // counter-clockwise from the front; [0].w: radius of a disc as large
+  vec4 color;       // radiance
+  vec4 shape;       // x: 1 faces everything, y: 1 shines to both sides, z: first shadow (-1 none), w: count of shadows
+};
+
 layout(std140) uniform Lights {
   Light lights[kMostLights];
   mat4 shadow_from_world[kMostShadows];
-  vec4 shadow_texel[kMostShadows];  // x: metres per texel (at distance 1 of a perspective one), y: 1 perspective
+  vec4 shadow_texel[kMostShadows];  // x: metres per texel (at distance 1 of a perspective one), y: 1 perspective,
+                                    // zw: distances of the near and far plane
+  Area areas[kMostAreas];
 };
 
 uniform highp sampler2DArrayShadow shadow_maps;
 uniform highp sampler2DArray light_profiles;
+#ifdef HAS_SOFT_SHADOWS
+uniform highp sampler2DArray shadow_depths;  // the same maps, to be read rather than compared with
+#endif
 
-/// Share of a light that arrives, by the shadow map `layer`; 1 where it does not reach.
-float shadow_in(int layer, vec3 position, vec3 normal, float n_dot_l) {
+#ifdef HAS_SOFT_SHADOWS
+/// Distance from the light of a depth of map `layer`.
+float shadow_distance(int layer, float depth) {
+  vec2 range = shadow_texel[layer].zw;
+  if (shadow_texel[layer].y < 0.5) return mix(range.x, range.y, depth);
+  return range.x * range.y / (range.y - depth * (range.y - range.x));
+}
+
+/// Width of the penumbra over that of the map: what stands at the mean distance of what stands in the way, of a light of
+/// this radius (of a directional one: tangent of its angular radius). 0 where nothing does. Fernando 2005,
+/// "Percentage-Closer Soft Shadows".
+float shadow_penumbra(int layer, vec3 at, vec2 tilt, float receiver, float radius, float turn) {
+  const int kTaps = 16;
+  bool is_perspective = shadow_texel[layer].y > 0.5;
+  float size = float(textureSize(shadow_depths, 0).x);
+  float width = shadow_texel[layer].x * size;  // metres, of a perspective one at distance 1
+  float search = is_perspective ? radius / (receiver * width)
+                                : radius * (receiver - shadow_texel[layer].z) / width;
+  search = clamp(search, 1.5 / size, 0.1);
+  float sum = 0.0, count = 0.0;
+  for (int i = 0; i < kTaps; ++i) {
+    float r = sqrt((float(i) + 0.5) / float(kTaps)), phi = 2.39996323 * float(i) + turn;
+    vec2 offset = vec2(cos(phi), sin(phi)) * (r * search);
+    float d = texture(shadow_depths, vec3(at.xy + offset, float(layer))).x;
+    if (d < at.z + dot(tilt, offset) - 2e-5) {
+      sum += shadow_distance(layer, d);
+      count += 1.0;
+    }
+  }
+  if (count < 0.5) return 0.0;
+  float blocker = sum / count;
+  float spread = max(receiver - blocker, 0.0);
+  return is_perspective ? radius * spread / (max(blocker, 1e-4) * receiver * width) : radius * spread / width;
+}
+
+float shadow_softly(int layer, vec3 at, vec2 tilt, float radius) {
+  const int kTaps = 24;
+  float turn = 6.2831853 * fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))) + soft.y);
+  float size = float(textureSize(shadow_depths, 0).x);
+  float penumbra = shadow_penumbra(layer, at, tilt, shadow_distance(layer, at.z), radius, turn);
+  penumbra = clamp(penumbra, 1.0 / size, 0.1);
+  float sum = 0.0;
+  for (int i = 0; i < kTaps; ++i) {
+    float r = sqrt((float(i) + 0.5) / float(kTaps)), phi = 2.39996323 * float(i) + turn;
+    vec2 offset = vec2(cos(phi), sin(phi)) * (r * penumbra);
+    sum += texture(shadow_maps, vec4(at.xy + offset, float(layer), at.z + dot(tilt, offset) - 2e-5));
+  }
+  return sum / float(kTaps);
+}
+#endif
+
+#ifdef HAS_SOFT_SHADOWS
+vec3 shadow_point(int layer, vec3 position) {
+  vec4 clip = shadow_from_world[layer] * vec4(position, 1.0);
+  return clip.xyz / clip.w * 0.5 + 0.5;
+}
+
+/// How the depth of the plane of a surface changes over the map: a filter as wide as a light must not find the surface in
+/// its own way. In a perspective map, too, a plane's depth is linear.
+vec2 shadow_tilt(int layer, vec3 at, vec3 position, vec3 normal, float step) {
+  vec3 x = shade_tangent(normal);
+  vec3 a = shadow_point(layer, position + x * step) - at, b = shadow_point(layer, position + cross(normal, x) * step) - at;
+  float area = a.x * b.y - a.y * b.x;
+  vec2 tilt = vec2(a.z * b.y - b.z * a.y, b.z * a.x - a.z * b.x);
+  return abs(area) < 1e-12 ? vec2(0.0) : clamp(tilt / area, vec2(-4.0), vec2(4.0));
+}
+#endif
+
+/// Share of a light that arrives, by the shadow map `layer`; 1 where it does not reach. `radius` as shadow_penumbra()
+/// has it; of a light without one the shadow is hard.
+float shadow_in(int layer, vec3 position, vec3 normal, float n_dot_l, float radius) {
   float texel = shadow_texel[layer].x;
   vec4 clip = shadow_from_world[layer] * vec4(position, 1.0);
   if (shadow_texel[layer].y > 0.5) texel *= clip.w;
@@ -29,6 +111,13 @@ float shadow_in(int layer, vec3 position, vec3 normal, float n_dot_l) {
   clip = shadow_from_world[layer] * vec4(position + normal * (texel * (0.6 + 1.6 * slope)), 1.0);
   vec3 at = clip.xyz / clip.w * 0.5 + 0.5;
   if (clip.w <= 0.0 || any(lessThan(at, vec3(0.0))) || any(greaterThan(at, vec3(1.0)))) return 1.0;
+#ifdef HAS_SOFT_SHADOWS
+  radius *= soft.z;
+  if (radius > 0.0) {
+    vec3 moved = position + normal * (texel * (0.6 + 1.6 * slope));
+    return shadow_softly(layer, at, shadow_tilt(layer, at, moved, normal, 4.0 * texel), radius);
+  }
+#endif
   // Four taps half a texel off, each weighing four texels: a tent three texels wide.
   vec2 d = 0.5 / vec2(textureSize(shadow_maps, 0).xy);
   float z = at.z - 1e-5;
@@ -50,19 +139,58 @@ int light_cascade(Light light, vec3 position) {
   return last;
 }
 
+/// Which of six views from a point, in the order +x -x +y -y +z -z, sees what lies towards -wi.
+int shadow_face(vec3 wi) {
+  vec3 a = abs(wi);
+  return a.x >= a.y && a.x >= a.z ? (wi.x > 0.0 ? 1 : 0) : a.y >= a.z ? (wi.y > 0.0 ? 3 : 2) : (wi.z > 0.0 ? 5 : 4);
+}
+
 float light_shadow(Light light, vec3 position, vec3 normal, vec3 wi) {
   int first = int(light.cone.z);
   if (first < 0) return 1.0;
   float n_dot_l = dot(normal, wi);
   if (int(light.position.w) == 0) {
-    // Six views of a point light, in the order +x -x +y -y +z -z.
-    vec3 a = abs(wi);
-    int face = a.x >= a.y && a.x >= a.z ? (wi.x > 0.0 ? 1 : 0) : a.y >= a.z ? (wi.y > 0.0 ? 3 : 2) : (wi.z > 0.0 ? 5 : 4);
-    return shadow_in(first + face, position, normal, n_dot_l);
+    return shadow_in(first + shadow_face(wi), position, normal, n_dot_l, soft.x);
   }
-  int layer = first + (int(light.position.w) == 2 ? light_cascade(light, position) : 0);
-  return shadow_in(layer, position, normal, n_dot_l);
+  bool is_sun = int(light.position.w) == 2;
+  int layer = first + (is_sun ? light_cascade(light, position) : 0);
+  return shadow_in(layer, position, normal, n_dot_l, is_sun ? light.cone.x : soft.x);
 }
+
+#ifdef HAS_AREAS
+/// The corners of an area light from a point, relative to it; false where it shines elsewhere.
+bool area_corners(Area area, vec3 position, out vec3 c[4]) {
+  if (area.shape.x > 0.5) {
+    vec3 to = area.corners[0].xyz - position;
+    float distance = length(to);
+    float half_side = area.corners[1].x;
+    if (distance < 1.2 * half_side) return false;  // within the body
+    vec3 z = to / distance;
+    vec3 x = shade_tangent(z) * half_side;
+    vec3 y = cross(z, x);
+    c[0] = to - x - y, c[1] = to + x - y, c[2] = to + x + y, c[3] = to - x + y;
+    return true;
+  }
+  for (int i = 0; i < 4; ++i) c[i] = area.corners[i].xyz - position;
+  float front = -dot(cross(c[1] - c[0], c[2] - c[0]), c[0]);
+  return front > 0.0 || area.shape.y > 0.5;
+}
+
+float area_shadow(Area area, vec3 position, vec3 normal) {
+  int first = int(area.shape.z);
+  if (first < 0) return 1.0;
+  vec3 center = area.corners[0].xyz;
+  int layer = first;
+  if (area.shape.x < 0.5) {
+    center = 0.25 * (center + area.corners[1].xyz + area.corners[2].xyz + area.corners[3].xyz);
+    vec3 n = cross(area.corners[1].xyz - area.corners[0].xyz, area.corners[2].xyz - area.corners[0].xyz);
+    if (area.shape.w > 1.5 && dot(n, position - center) < 0.0) ++layer;
+  }
+  vec3 wi = normalize(center - position);
+  if (area.shape.x > 0.5) layer += shadow_face(wi);
+  return shadow_in(layer, position, normal, dot(normal, wi), area.corners[0].w);
+}
+#endif
 
 /// Irradiance on a surface that faces the light, and the direction towards it.
 vec3 light_arriving(Light light, vec3 position, out vec3 wi) {

@@ -13,13 +13,21 @@ layout(std140) uniform Material {
   vec4 below_color;        // of diffuse transmission
   vec4 conductor_n;
   vec4 conductor_k;
+  vec4 scatter;            // how wide light spreads in a scattering body, metres, for each colour
+  vec4 scatter_color;      // what of the light that enters it comes out again
+  vec4 relief;             // height between black and white, metres; the value that lies on the mesh
   vec4 uv_transform[2 * kSlots];
 };
 
 in vec4 v_uv;
+#ifdef HAS_height
+vec4 surface_uv;  // v_uv, moved to where the view meets the relief
+#else
+#define surface_uv v_uv
+#endif
 
 vec2 slot_uv(int slot) {
   vec4 a = uv_transform[2 * slot], b = uv_transform[2 * slot + 1];
-  vec2 uv = b.z < 0.5 ? v_uv.xy : v_uv.zw;
+  vec2 uv = b.z < 0.5 ? surface_uv.xy : surface_uv.zw;
   return a.xy * uv.x + a.zw * uv.y + b.xy;
 }

@@ -2,6 +2,9 @@
 #include "shade/image_light.glsl.h"
 #include "shade/workflow.glsl.h"
 #include "material.glsl"
+#ifdef HAS_AREAS
+#include "shade/area_light.glsl.h"
+#endif
 #ifdef HAS_LIGHTS
 #include "lights.glsl"
 #endif
@@ -14,8 +17,11 @@ in vec4 v_tangent;
 #ifdef HAS_COLOR
 in vec4 v_color;
 #endif
-#ifdef HAS_BODY
+#ifdef HAS_SCALE
 flat in float v_scale;
+#endif
+#ifdef HAS_AREAS
+uniform int own_area;  // which area light this surface is itself, or -1
 #endif
 
 uniform highp samplerCube specular_light;
@@ -35,6 +41,10 @@ uniform float object_id;
 #endif
 
 layout(location = 0) out vec4 o_color;
+#if defined(HAS_SCATTERING) && !defined(SHOW)
+layout(location = 1) out vec4 o_scattered;  // light that spreads; a: distance along the view
+layout(location = 2) out vec4 o_width;      // and how wide
+#endif
 
 // ----- geometry
 
@@ -68,6 +78,61 @@ vec3 mapped(vec4 texel, float scale, mat3 front, bool flip, vec3 ns, float side)
   return m2 > 1e-12 ? m * (inversesqrt(m2) * side) : ns;
 }
 
+#ifdef HAS_height
+/// How uvs change along a direction in the surface, by what neighbouring pixels have.
+vec4 uv_along(vec3 direction, vec3 n) {
+  vec3 px = dFdx(v_position), py = dFdy(v_position);
+  vec3 ax = cross(py, n), ay = cross(n, px);
+  float area = dot(px, ax);
+  if (abs(area) < 1e-20) return vec4(0.0);
+  return (dot(ax, direction) * dFdx(v_uv) + dot(ay, direction) * dFdy(v_uv)) / area;
+}
+
+float relief_at(vec4 uv) {
+  surface_uv = uv;
+  return height_texel().r;
+}
+
+/// Moves surface_uv to where the view meets the relief below, and partly above, the mesh. Policarpo, Oliveira & Comba 2005,
+/// "Real-Time Relief Mapping on Arbitrary Polygonal Surfaces": a linear search, then the chord of the last step.
+void find_relief(vec3 n, vec3 wo) {
+  float depth = relief.x * v_scale;
+  float cosine = max(dot(n, wo), 0.08);
+  // From the top of the relief, as far as the view goes sideways down to its bottom.
+  vec4 sideways = uv_along((n * dot(n, wo) - wo) / cosine, n) * depth;
+  vec4 uv = v_uv - sideways * (1.0 - relief.y);
+  int steps = int(mix(40.0, 12.0, cosine));
+  float last_gap = 1.0 - relief_at(uv);
+  float t = 0.0, dt = 1.0 / float(steps);
+  for (int i = 1; i <= steps && last_gap > 0.0; ++i) {
+    float next = float(i) * dt;
+    float gap = 1.0 - next - relief_at(uv + sideways * next);
+    if (gap <= 0.0) {
+      t = next - dt * (-gap / max(last_gap - gap, 1e-6));
+      break;
+    }
+    last_gap = gap;
+    t = next;
+  }
+  surface_uv = uv + sideways * t;
+}
+
+/// What the relief makes of a normal that no map tells of.
+vec3 relief_normal(vec3 n) {
+  vec4 uv = surface_uv;
+  vec3 x = shade_tangent(n), y = cross(n, x);
+  // Half a pixel to either side, or half a texel where that is more.
+  vec2 texels = vec2(textureSize(height_texture, 0));
+  vec4 ux = uv_along(x, n), uy = uv_along(y, n);
+  float per_metre = max(length(ux.xy * texels), length(uy.xy * texels));
+  float step = max(0.5 * length(fwidth(v_position)), 0.5 / max(per_metre, 1e-12));
+  float dx = relief_at(uv + ux * step) - relief_at(uv - ux * step);
+  float dy = relief_at(uv + uy * step) - relief_at(uv - uy * step);
+  surface_uv = uv;
+  return normalize(n - (x * dx + y * dy) * (relief.x * v_scale / (2.0 * step)));
+}
+#endif
+
 Point make_point(bool is_back) {
   Point p;
   p.wo = eye.w > 0.5 ? normalize(eye.xyz - v_position) : back.xyz;
@@ -80,6 +145,9 @@ Point make_point(bool is_back) {
   vec3 ns = n2 > 1e-12 ? v_normal * inversesqrt(n2) : ng;
   if (dot(ns, ng) < 0.0) ns = -ns;
   p.vertex_normal = ns;
+#if defined(HAS_height) && !defined(HAS_normal)
+  ns = relief_normal(ns);
+#endif
   p.coat_normal = ns;
   p.tangent = vec3(0.0);
 #ifdef HAS_TANGENT
@@ -230,8 +298,28 @@ float antialiased_roughness(float roughness, vec3 n) {
 
 // ----- light from far away
 
+#ifdef HAS_PROBES
+uniform vec4 probe_position;  // w: levels of its cube
+uniform vec3 probe_low;
+uniform vec3 probe_high;
+
+/// Where a probe sees what lies in a direction from here, on the walls of its box. Lagarde & Zanuttini 2012, "Local
+/// Image-based Lighting With Parallax-corrected Cubemap".
+vec3 probe_direction(vec3 direction) {
+  vec3 to_low = (probe_low - v_position) / direction, to_high = (probe_high - v_position) / direction;
+  vec3 far = max(to_low, to_high);
+  float t = min(far.x, min(far.y, far.z));
+  return t > 0.0 ? v_position + direction * t - probe_position.xyz : direction;
+}
+#endif
+
 vec3 prefiltered(vec3 direction, float alpha) {
-  return textureLod(specular_light, direction, image_light_level(alpha, light.x)).rgb;
+  float levels = light.x;
+#ifdef HAS_PROBES
+  direction = probe_direction(direction);
+  levels = probe_position.w;
+#endif
+  return textureLod(specular_light, direction, image_light_level(alpha, levels)).rgb;
 }
 
 vec3 mirrored_light(Point p, vec3 n, float alpha) {
@@ -245,8 +333,22 @@ float occlusion() {
   visible = 1.0 + coat.w * (occlusion_texel().r - 1.0);
 #endif
 #ifdef HAS_SCREEN_OCCLUSION
+  // The map has half the picture's size: of the four texels around, those at this depth.
+  vec2 at = gl_FragCoord.xy * 0.5 - 0.5;
+  ivec2 corner = ivec2(floor(at)), most = textureSize(screen_visibility, 0) - 1;
+  vec2 f = fract(at);
+  float depth = dot(eye.xyz - v_position, back.xyz);
+  float sum = 0.0, weight = 1e-5;
+  for (int i = 0; i < 4; ++i) {
+    ivec2 d = ivec2(i & 1, i >> 1);
+    vec2 texel = texelFetch(screen_visibility, clamp(corner + d, ivec2(0), most), 0).xy;
+    float w = (d.x == 1 ? f.x : 1.0 - f.x) * (d.y == 1 ? f.y : 1.0 - f.y);
+    w *= max(1.0 - 20.0 * abs(texel.y - depth) / max(depth, 1e-6), 0.0) + 1e-4;
+    sum += w * texel.x;
+    weight += w;
+  }
   // Both tell of the same crevices.
-  visible = min(visible, texelFetch(screen_visibility, ivec2(gl_FragCoord.xy), 0).x);
+  visible = min(visible, (sum + 1e-5) / weight);
 #endif
   return visible;
 }
@@ -308,8 +410,7 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha) {
 /// 1 where a part of the light is shown.
 float part(int bit) { return (counts.y & bit) != 0 ? 1.0 : 0.0; }
 
-vec3 far_light(Point p, SurfaceParams params, Surface s, vec3 wo, mat3 frame) {
-  SurfaceShares shares = surface_shares(s, wo);
+vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
   vec3 n = p.normal;
   float visible = occlusion();
   vec3 color = vec3(0.0);
@@ -328,7 +429,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, vec3 wo, mat3 frame) {
     float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
     color += (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * (part(2) * specular_visible);
 #ifdef HAS_LAYERS
-#ifdef HAS_BELOW
+#if defined(HAS_BELOW) && !defined(IS_SCATTERING)
     color += shares.below * texture(diffuse_light, -n).rgb * (part(1) / kShadePi);
 #endif
 #ifdef HAS_SHEEN
@@ -345,11 +446,89 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, vec3 wo, mat3 frame) {
 #endif
 #endif
   }
-#ifdef HAS_TRANSMISSION
+#if defined(HAS_TRANSMISSION) && !defined(IS_SCATTERING)
   color += shares.through * transmitted_light(p, params, s.alpha) * part(16);
 #endif
   return color;
 }
+
+#ifdef HAS_AREAS
+// ----- light from surfaces
+
+float area_seen(mat3 m, vec3 c[4]) { return area_share(m * c[0], m * c[1], m * c[2], m * c[3]); }
+
+/// The frame about a normal in which the viewer leans towards x, as rows.
+mat3 viewer_frame(vec3 n, vec3 wo) {
+  vec3 x = wo - n * dot(n, wo);
+  float x2 = dot(x, x);
+  x = x2 > 1e-8 ? x * inversesqrt(x2) : shade_tangent(n);
+  return transpose(mat3(x, cross(n, x), n));
+}
+
+vec3 area_light(Point p, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
+  mat3 local = viewer_frame(p.normal, p.wo);
+  mat3 lobe = area_lobe(wo.z, sqrt(s.alpha)) * local;
+#ifdef HAS_COAT
+  vec3 nc = normalize(frame * s.coat_normal);
+  mat3 coat_lobe = area_lobe(max(dot(nc, p.wo), 0.0), sqrt(s.coat_alpha)) * viewer_frame(nc, p.wo);
+#endif
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < counts.w; ++i) {
+    if (i == own_area || (counts.z >= 0 && counts.z != counts.x + i)) continue;
+    vec3 c[4];
+    if (!area_corners(areas[i], v_position, c)) continue;
+    float seen = area_seen(local, c);
+    vec3 value = shares.diffuse * seen + (shares.specular + shares.glass) * area_seen(lobe, c);
+#ifdef HAS_LAYERS
+    value += shares.sheen * seen;
+#ifdef HAS_COAT
+    value += shares.coat * area_seen(coat_lobe, c);
+#endif
+#if defined(HAS_BELOW) && !defined(IS_SCATTERING)
+    value += shares.below * area_seen(mat3(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0) * local, c);
+#endif
+#endif
+    if (shade_max3(value) <= 0.0) continue;
+    sum += value * areas[i].color.rgb * area_shadow(areas[i], v_position, p.vertex_normal);
+  }
+  return sum;
+}
+#endif
+
+#ifdef IS_SCATTERING
+// ----- light that enters a scattering body and leaves it near by
+
+/// Seen through the surface, as from a white diffuse one of the body's colour.
+vec3 scattered_light(Point p, SurfaceShares shares) {
+  vec3 n = p.normal;
+  vec3 arriving = light.y > 0.5 ? texture(diffuse_light, n).rgb * occlusion() : vec3(0.0);
+#ifdef HAS_LIGHTS
+  for (int i = 0; i < counts.x; ++i) {
+    if (counts.z >= 0 && counts.z != i) continue;
+    vec3 wi;
+    vec3 e = light_arriving(lights[i], v_position, wi);
+    float cosine = dot(n, wi);
+    if (cosine <= 0.0 || dot(p.vertex_normal, wi) <= 0.0) continue;
+    arriving += e * cosine * light_shadow(lights[i], v_position, p.vertex_normal, wi);
+  }
+#endif
+#ifdef HAS_AREAS
+  mat3 local = viewer_frame(n, p.wo);
+  for (int i = 0; i < counts.w; ++i) {
+    vec3 c[4];
+    if (i == own_area || !area_corners(areas[i], v_position, c)) continue;
+    arriving += areas[i].color.rgb * (kShadePi * area_seen(local, c) * area_shadow(areas[i], v_position, p.vertex_normal));
+  }
+#endif
+  // Light leaves a thin body before it has taken on its colour: matched by eye to spheres that the path tracer shows.
+  float thickness = transmission.y * v_scale;
+#ifdef HAS_thickness
+  thickness *= thickness_texel().g;
+#endif
+  vec3 color = mix(scatter_color.rgb, vec3(1.0), exp(-0.25 * extinction.rgb * thickness));
+  return (shares.through + shares.below) * color * arriving * (part(16) / kShadePi);
+}
+#endif
 
 // ----- all of it
 
@@ -407,7 +586,19 @@ vec4 shaded() {
   Surface s = h.surface;
   mat3 frame = h.frame;
   vec3 wo = h.wo;
-  vec3 color = far_light(p, h.params, s, wo, frame);
+  SurfaceShares shares = surface_shares(s, wo);
+  vec3 color = far_light(p, h.params, s, shares, wo, frame);
+#ifdef HAS_AREAS
+  color += part(32) * area_light(p, s, shares, wo, frame);
+#endif
+#ifdef IS_SCATTERING
+#ifdef HAS_SCATTERING
+  o_scattered = vec4(scattered_light(p, shares), dot(eye.xyz - v_position, back.xyz));
+  o_width = vec4(scatter.rgb * v_scale, 0.0);
+#else
+  color += scattered_light(p, shares);
+#endif
+#endif
 #ifdef HAS_LIGHTS
   for (int i = 0; i < counts.x; ++i) {
     if (counts.z >= 0 && counts.z != i) continue;
@@ -415,6 +606,9 @@ vec4 shaded() {
     vec3 e = light_arriving(lights[i], v_position, wi);
     bool is_outside = dot(p.vertex_normal, wi) > 0.0;
     vec3 local = wi * frame;
+#ifdef IS_SCATTERING
+    if (local.z <= 0.0) continue;  // what comes through it has spread
+#endif
     // Light from one side reaches the other only through a surface that scatters through.
     if (is_outside != (local.z > 0.0) || shade_max3(e) <= 0.0) continue;
     vec3 value = surface_eval(s, wo, local).value;
@@ -494,6 +688,15 @@ vec4 quantity(float opacity) {
 
 void main() {
   float opacity = 1.0;
+#ifdef HAS_height
+  vec3 wo = eye.w > 0.5 ? normalize(eye.xyz - v_position) : back.xyz;
+  vec3 n = normalize(v_normal);
+  find_relief(dot(n, wo) < 0.0 ? -n : n, wo);
+#endif
+#if defined(HAS_SCATTERING) && !defined(SHOW)
+  o_scattered = vec4(0.0);
+  o_width = vec4(0.0);
+#endif
 #ifdef ALPHA_MASK
   float a = fetch_opacity();
 #ifdef ALPHA_TO_COVERAGE

@@ -18,7 +18,7 @@ out vec4 v_tangent;
 #ifdef HAS_COLOR
 out vec4 v_color;
 #endif
-#ifdef HAS_BODY
+#ifdef HAS_SCALE
 flat out float v_scale;  // of lengths, from object to world
 #endif
 
@@ -38,7 +38,7 @@ void main() {
 #ifdef HAS_COLOR
   v_color = a_color;
 #endif
-#ifdef HAS_BODY
+#ifdef HAS_SCALE
   v_scale = pow(abs(dot(x, cross(y, z))), 1.0 / 3.0);
 #endif
   gl_Position = clip_from_world * vec4(v_position, 1.0);

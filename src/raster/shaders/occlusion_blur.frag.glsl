@@ -2,6 +2,8 @@
 
 uniform highp sampler2D visibility_map;
 uniform highp sampler2D depth_map;
+uniform mat4 clip_from_camera;
+uniform float is_perspective;
 
 layout(location = 0) out vec4 o_visibility;
 
@@ -9,8 +11,12 @@ void main() {
   ivec2 size = textureSize(depth_map, 0);
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   float depth = texelFetch(depth_map, pixel, 0).x;
+  // Beside what is visible, how far along the view: who reads it has another resolution.
+  float z = depth * 2.0 - 1.0;
+  float along = is_perspective > 0.5 ? clip_from_camera[3].z / (z + clip_from_camera[2].z)
+                                     : -(z - clip_from_camera[3].z) / clip_from_camera[2].z;
   if (depth >= 1.0) {
-    o_visibility = vec4(1.0);
+    o_visibility = vec4(1.0, along, 0.0, 1.0);
     return;
   }
   float sum = 0.0, weight = 0.0;
@@ -23,5 +29,5 @@ void main() {
       weight += w;
     }
   }
-  o_visibility = vec4(sum / max(weight, 1e-6));
+  o_visibility = vec4(sum / max(weight, 1e-6), along, 0.0, 1.0);
 }

@@ -172,7 +172,7 @@ TEST(unit_io_gltf, file_info_repeats_what_the_file_says) {
   EXPECT_EQ(info.extensions_used, (std::vector<std::string>{"KHR_materials_ior", "KHR_xmp_json_ld"}));
   EXPECT_TRUE(info.extensions_ignored.empty());
   EXPECT_EQ(info.extensions_required, (std::vector<std::string>{"KHR_materials_ior"}));
-  EXPECT_EQ(info.animations, 2);
+  EXPECT_EQ(info.animations.size(), 2u);
   EXPECT_EQ(info.skins, 0);
   EXPECT_EQ(info.file_bytes, bytes.size());
 }

@@ -214,11 +214,5 @@ TEST(unit_io_gltf_lights, oddities_are_told_and_nonsense_is_refused) {
   EXPECT_THAT(error_of(b), HasSubstr("light 1 does not exist (there are 1)"));
 }
 
-TEST(unit_io_gltf, animations_are_told) {
-  Builder b = triangle();
-  b.root["animations"] = {json::object()};
-  EXPECT_TRUE(load(b).warned("animations are not supported yet: bind pose shown"));
-}
-
 }  // namespace
 }  // namespace candela::io::test
