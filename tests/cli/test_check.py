@@ -448,6 +448,18 @@ class Bodies(CheckTest):
         material["extensions"]["KHR_materials_dispersion"]["dispersion"] = 5
         self.only(asset, "dispersion-too-strong", "warning")
 
+    def test_a_body_with_relief_is_probed_on_the_relief(self):
+        asset = Asset()
+        asset.extension("KHR_materials_transmission", "KHR_materials_volume")
+        material = self.glass()
+        # White lies on the mesh itself: the same cube, cut into small triangles.
+        white = asset.texture(png(4, 4, lambda x, y: [255, 255, 255]))
+        material["extras"] = {"candela": {"heightTexture": {**white, "scale": 0.1}}}
+        asset.cube(asset.material(material))
+        self.clean(asset)
+        material["extensions"]["KHR_materials_volume"]["thicknessFactor"] = 20
+        self.assertAlmostEqual(self.only(asset, "thickness-mismatch", "note")["measured"]["true_m"], 1, delta=0.01)
+
     def test_instances_of_a_body(self):
         asset = self.body()
         for i in range(3):
