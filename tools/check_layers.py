@@ -37,7 +37,7 @@ THIRD_PARTY = {
     "Imf": {"image"},
     "OpenEXR/": {"image"},
     "embree": {"path"},
-    "fmt/": {"app", "candela", "ibl", "image", "io", "path", "raster", "scene"},
+    "fmt/": {"app", "candela", "ibl", "image", "io", "path", "raster", "scene", "study"},
     "glm/": set(ALLOWED) | {"app"},
     "jpeglib.h": {"image"},
     "nlohmann/": {"app", "io"},

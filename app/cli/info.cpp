@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "io/gltf.h"
+#include "io/gltf_survey.h"
 
 namespace candela::cli {
 
@@ -21,7 +23,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kNameColumn = 14;
-constexpr std::size_t kMostItems = 20;  // of textures and the like; --json lists all
 
 struct Counts {
   std::size_t primitives = 0;
@@ -52,35 +53,6 @@ Counts count(const Scene& scene) {
   return total;
 }
 
-std::size_t memory_of(const TextureImage& image) {
-  return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4 *
-         static_cast<std::size_t>(image.bits) / 8;
-}
-
-std::string light_type(LightType type) {
-  switch (type) {
-    case LightType::point:
-      return "point";
-    case LightType::spot:
-      return "spot";
-    case LightType::directional:
-      return "directional";
-  }
-  return {};
-}
-
-std::string or_unnamed(const std::string& name) { return name.empty() ? "(no name)" : name; }
-
-Json vec3_json(vec3 v) { return {v.x, v.y, v.z}; }
-std::string vec3_text(vec3 v) { return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z); }
-
-/// A heading with its number, and one line for each of the first few.
-void list(Table& table, const std::string& name, const std::vector<std::string>& items) {
-  table.row(name, fmt::format("{}", items.size()));
-  for (std::size_t i = 0; i < std::min(items.size(), kMostItems); ++i) table.item(fmt::format("{} {}", i, items[i]));
-  if (items.size() > kMostItems) table.item(fmt::format("and {} more (--json lists all)", items.size() - kMostItems));
-}
-
 void describe_materials(const Scene& scene, Json& json, Table& table) {
   json["materials"] = Json::array();
   std::vector<std::string> lines;
@@ -92,55 +64,27 @@ void describe_materials(const Scene& scene, Json& json, Table& table) {
   list(table, "materials", lines);
 }
 
-void describe_images(const Scene& scene, Json& json, Table& table) {
-  json["images"] = Json::array();
-  std::vector<std::string> lines;
-  std::size_t bytes = 0;
-  for (const auto& image : scene.images) {
-    json["images"].push_back({{"width", image->width},
-                              {"height", image->height},
-                              {"bits", image->bits},
-                              {"alpha", image->has_alpha},
-                              {"bytes", memory_of(*image)}});
-    lines.push_back(
-        fmt::format("{} x {}, {} bits, {}", image->width, image->height, image->bits, bytes_text(memory_of(*image))));
-    bytes += memory_of(*image);
-  }
-  json["texture_bytes"] = bytes;
-  list(table, "images", lines);
-  if (!scene.images.empty()) table.row("texture memory", bytes_text(bytes));
+bool contains(const std::vector<std::string>& list, const std::string& name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
 }
 
-void describe_cameras_and_lights(const Scene& scene, Json& json, Table& table) {
-  json["cameras"] = Json::array();
+/// Each extension and what is done with it.
+void describe_extensions(const io::FileInfo& file, Json& json, Table& table) {
+  Json& all = json["extensions"]["all"] = Json::array();
+  std::vector<std::string> names = file.extensions_used;
+  for (const std::string& name : file.extensions_required) {
+    if (!contains(names, name)) names.push_back(name);
+  }
   std::vector<std::string> lines;
-  for (const Camera& camera : scene.cameras) {
-    const auto* perspective = std::get_if<PerspectiveCamera>(&camera.projection);
-    json["cameras"].push_back(
-        {{"name", camera.name}, {"type", perspective != nullptr ? "perspective" : "orthographic"}});
-    lines.push_back(or_unnamed(camera.name) + (perspective != nullptr
-                                                   ? fmt::format(", {:.4g} degrees", degrees(perspective->yfov))
-                                                   : ", orthographic"));
+  for (const std::string& name : names) {
+    const bool is_required = contains(file.extensions_required, name);
+    const char* status = contains(file.extensions_missing, name)   ? "missing"
+                         : contains(file.extensions_ignored, name) ? "ignored"
+                                                                   : "supported";
+    all.push_back({{"name", name}, {"required", is_required}, {"status", status}});
+    lines.push_back(fmt::format("{}: {}{}", name, is_required ? "required, " : "", status));
   }
-  list(table, "cameras", lines);
-
-  json["lights"] = Json::array();
-  lines.clear();
-  for (const Light& light : scene.lights) {
-    const std::string type = light.ies >= 0 ? "IES profile" : light_type(light.type);
-    Json entry = {{"name", light.name}, {"type", type}, {"intensity", light.intensity}};
-    std::string strength =
-        fmt::format("{:.4g} {}", light.intensity, light.type == LightType::directional ? "lux" : "cd");
-    if (light.ies >= 0) {
-      const double lumens =
-          static_cast<double>(light.intensity) * ies_flux(scene.ies_profiles[static_cast<std::size_t>(light.ies)]);
-      entry["lumens"] = lumens;
-      strength = fmt::format("{:.4g} lm", lumens);
-    }
-    json["lights"].push_back(std::move(entry));
-    lines.push_back(fmt::format("{}, {}, {}", or_unnamed(light.name), type, strength));
-  }
-  list(table, "lights", lines);
+  if (!lines.empty()) list(table, "extensions", lines);
 }
 
 /// What the scene does not keep.
@@ -166,7 +110,7 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   table.row("file size", bytes_text(file.file_bytes));
   if (!file.generator.empty()) table.row("generator", file.generator);
   if (!file.copyright.empty()) table.row("copyright", file.copyright);
-  if (!file.extensions_used.empty()) table.row("extensions", fmt::format("{}", fmt::join(file.extensions_used, " ")));
+  describe_extensions(file, json, table);
   if (!file.variants.empty()) list(table, "variants", file.variants);
   if (!file.extensions_missing.empty()) {
     table.row("unsupported",
@@ -176,7 +120,7 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   if (file.skins > 0) table.row("skins", fmt::format("{}", file.skins));
 }
 
-void describe_content(const Scene& scene, Json& json, Table& table) {
+void describe_content(const Scene& scene, const FileSurvey* survey, Json& json, Table& table) {
   const Counts counts = count(scene);
   json["name"] = scene.name;
   json["nodes"] = scene.nodes.size();
@@ -193,16 +137,10 @@ void describe_content(const Scene& scene, Json& json, Table& table) {
   table.row("triangles",
             fmt::format("{}, {} as placed; {} vertices", counts.triangles, counts.placed_triangles, counts.vertices));
   describe_materials(scene, json, table);
-  describe_images(scene, json, table);
-  describe_cameras_and_lights(scene, json, table);
-}
-
-void describe_bounds(const Scene& scene, Json& json, Table& table) {
-  const Box3 bounds = world_bounds(scene);
-  json["bounds"] = nullptr;
-  if (bounds.empty()) return;
-  json["bounds"] = {{"lower", vec3_json(bounds.lower)}, {"upper", vec3_json(bounds.upper)}};
-  table.row("bounds", vec3_text(bounds.lower) + " to " + vec3_text(bounds.upper) + " m");
+  describe_images(scene, survey, json, table);
+  describe_gpu_memory(scene, survey, json, table);
+  describe_cameras(scene, json, table);
+  describe_lights(scene, json, table);
 }
 
 /// The scene of a file, or nothing where an extension that it requires and we lack stands in the way.
@@ -218,6 +156,15 @@ std::optional<Scene> look_into(const std::string& name, Diagnostics& diagnostics
 }
 
 }  // namespace
+
+std::string or_unnamed(const std::string& name) { return name.empty() ? "(no name)" : name; }
+
+void list(Table& table, const std::string& name, const std::vector<std::string>& items) {
+  constexpr std::size_t kMostItems = 20;  // --json lists all
+  table.row(name, fmt::format("{}", items.size()));
+  for (std::size_t i = 0; i < std::min(items.size(), kMostItems); ++i) table.item(fmt::format("{} {}", i, items[i]));
+  if (items.size() > kMostItems) table.item(fmt::format("and {} more (--json lists all)", items.size() - kMostItems));
+}
 
 void Table::row(const std::string& name, const std::string& value) {
   text_ += fmt::format("{:<{}} {}\n", one_line(name), kNameColumn, one_line(value));
@@ -241,9 +188,11 @@ Report scene_report(const std::string& name) {
   Json json{{"file", name}, {"kind", "scene"}};
   Table table;
   table.row("scene", name);
-  if (scene) describe_content(*scene, json, table);
+  std::optional<FileSurvey> survey;
+  if (scene && !built_in) survey = io::survey_gltf(name, {.read_geometry = false});
+  if (scene) describe_content(*scene, survey ? &*survey : nullptr, json, table);
   if (!built_in) describe_file(file, json, table);
-  if (scene) describe_bounds(*scene, json, table);
+  if (scene) describe_size(*scene, json, table);
   json["warnings"] = Json::array();
   for (const Diagnostic& warning : diagnostics.warnings()) {
     json["warnings"].push_back(warning.text());

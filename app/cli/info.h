@@ -2,10 +2,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "image/image.h"
+#include "scene/file_survey.h"
+#include "scene/scene.h"
 
 namespace candela::cli {
 
@@ -45,5 +48,15 @@ class Table {
 };
 
 std::string bytes_text(std::size_t bytes);
+std::string or_unnamed(const std::string& name);
+/// A heading with its number, and one line for each of the first few.
+void list(Table& table, const std::string& name, const std::vector<std::string>& items);
+
+// Parts of a scene's report. `survey` is null for built-in scenes.
+void describe_images(const Scene& scene, const FileSurvey* survey, nlohmann::ordered_json& json, Table& table);
+void describe_cameras(const Scene& scene, nlohmann::ordered_json& json, Table& table);
+void describe_lights(const Scene& scene, nlohmann::ordered_json& json, Table& table);
+void describe_size(const Scene& scene, nlohmann::ordered_json& json, Table& table);
+void describe_gpu_memory(const Scene& scene, const FileSurvey* survey, nlohmann::ordered_json& json, Table& table);
 
 }  // namespace candela::cli

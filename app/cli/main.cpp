@@ -38,7 +38,8 @@ int fail(int code, const std::string& message, const std::string& hint = {}) {
 
 std::string usage_hint(int argc, char** argv) {
   const std::string_view verb = argc > 1 ? argv[1] : "";
-  const bool known = verb == "render" || verb == "info" || verb == "furnace" || verb == "bake" || verb == "view";
+  const bool known =
+      verb == "render" || verb == "info" || verb == "furnace" || verb == "bake" || verb == "check" || verb == "view";
   return std::string("Try 'candela ") + (known ? std::string(verb) + " " : "") + "--help'.\n";
 }
 
@@ -77,6 +78,7 @@ int run(int argc, char** argv) {
   const Verb info = add_info(app);
   const Verb furnace = add_furnace(app);
   const Verb bake = add_bake(app);
+  const Verb check = add_check(app);
   const Verb view = add_view(app);
   app.footer("`candela VERB --help` tells more, with examples.");  // last, because verbs inherit it
 
@@ -86,8 +88,9 @@ int run(int argc, char** argv) {
     if (app.got_subcommand("info")) return info(), kDone;
     if (app.got_subcommand("furnace")) return furnace(), kDone;
     if (app.got_subcommand("bake")) return bake(), kDone;
+    if (app.got_subcommand("check")) return check(), kDone;
     if (app.got_subcommand("view")) return view(), kDone;
-    throw UsageError("no verb given: render, view, info, furnace or bake");
+    throw UsageError("no verb given: render, view, info, furnace, bake or check");
   } catch (const CLI::CallForHelp&) {
     print(app.help());
     return kDone;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -160,6 +162,42 @@ auto texture_slots(M& m) {
                     &m.diffuse_transmission_color_texture,
                     &m.specular_glossiness_texture,
                     &m.height_texture};
+}
+
+/// What glTF calls the slots that texture_slots gives, in the same order.
+inline constexpr auto kTextureSlotNames = std::to_array<std::string_view>({
+    "baseColorTexture",
+    "metallicRoughnessTexture",
+    "normalTexture",
+    "occlusionTexture",
+    "emissiveTexture",
+    "specularTexture",
+    "specularColorTexture",
+    "clearcoatTexture",
+    "clearcoatRoughnessTexture",
+    "clearcoatNormalTexture",
+    "sheenColorTexture",
+    "sheenRoughnessTexture",
+    "anisotropyTexture",
+    "iridescenceTexture",
+    "iridescenceThicknessTexture",
+    "transmissionTexture",
+    "thicknessTexture",
+    "diffuseTransmissionTexture",
+    "diffuseTransmissionColorTexture",
+    "specularGlossinessTexture",
+    "heightTexture",
+});
+static_assert(kTextureSlotNames.size() == std::tuple_size_v<decltype(texture_slots(std::declval<Material&>()))>);
+
+/// Whether the slot at this place of texture_slots holds sRGB colours; the others hold data.
+constexpr bool is_srgb_slot(std::size_t slot) {
+  for (const std::string_view name :
+       {"baseColorTexture", "emissiveTexture", "specularColorTexture", "sheenColorTexture",
+        "diffuseTransmissionColorTexture", "specularGlossinessTexture"}) {
+    if (kTextureSlotNames[slot] == name) return true;
+  }
+  return false;
 }
 
 /// Triangles with one material. All vertex arrays have the same length or, where optional, are empty.

@@ -2,9 +2,11 @@
 """`candela info`: what it says about scenes and images, for readers and for machines."""
 
 import json
+import math
 import re
 import struct
 import time
+import zlib
 
 import candela
 from candela import CliTest, TINY, triangle_glb, variants_gltf
@@ -65,6 +67,58 @@ class Info(CliTest):
         self.assertEqual((image["width"], image["height"]), (256, 256))
         self.assertEqual(info["texture_bytes"], 256 * 256 * 4)
 
+    def test_textures_have_formats_uses_and_mips(self):
+        def png(depth, kind, extra=b""):
+            def chunk(name, body):
+                return struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+
+            channels = {2: 3, 6: 4}[kind]
+            rows = (b"\0" + bytes(4 * channels * depth // 8)) * 2
+            head = chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 2, depth, kind, 0, 0, 0))
+            body = chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+            return b"\x89PNG\r\n\x1a\n" + head + extra + body
+
+        transparent = struct.pack(">I", 6) + b"tRNS" + bytes(6)
+        transparent += struct.pack(">I", zlib.crc32(transparent[4:]))
+        for i, data in enumerate((png(8, 2), png(16, 6), png(8, 2, transparent))):
+            (self.folder / f"{i}.png").write_bytes(data)
+        scene = json.loads(variants_gltf())
+        scene["images"] = [{"uri": f"{i}.png"} for i in range(3)]
+        scene["textures"] = [{"source": i} for i in range(3)]
+        material = scene["materials"][0]
+        material["pbrMetallicRoughness"] = {"baseColorTexture": {"index": 0}, "metallicRoughnessTexture": {"index": 1}}
+        material["occlusionTexture"] = {"index": 1}
+        material["emissiveTexture"] = {"index": 2}
+        material["normalTexture"] = {"index": 0}
+        (self.folder / "a.gltf").write_text(json.dumps(scene))
+        images = self.json_of("a.gltf")["images"]
+        self.assertEqual([(i["bits"], i["alpha"]) for i in images], [(8, False), (16, True), (8, True)])
+        self.assertEqual([i["format"] for i in images], ["PNG"] * 3)
+        self.assertEqual(images[0]["file_bytes"], len(png(8, 2)))
+        self.assertEqual(images[1]["slots"], ["metallicRoughnessTexture", "occlusionTexture"])
+        self.assertEqual(images[1]["materials"], [0])
+        # 4 x 2, 2 x 1, 1 x 1; the first is uploaded as sRGB and as data.
+        self.assertEqual([i["gpu_bytes"] for i in images], [11 * 4 * 2, 11 * 8, 11 * 4])
+        gpu = self.json_of("a.gltf")["gpu_bytes"]
+        self.assertEqual((gpu["vertices"], gpu["indices"], gpu["textures"]), (3 * 72, 12, 88 + 88 + 44))
+        text = self.succeeds("info", "a.gltf").out
+        self.assertRegex(text, r"(?m)^ +1 1.png: PNG \(.*\), 4 x 2, 16 bits with alpha, 64 B, metallicRoughness \+ occlusion of 1 material$")
+
+    def test_lamps_lenses_and_size_have_units(self):
+        spot = {"type": "spot", "intensity": 100, "range": 5, "spot": {"outerConeAngle": 0.5}, "name": "desk"}
+        (self.folder / "a.glb").write_bytes(triangle_glb(spot))
+        info = self.json_of("a.glb")
+        light = info["lights"][0]
+        self.assertEqual((light["unit"], light["range_m"]), ("cd", 5))
+        # The cone's fall-off leaves between a half and all of 2 pi (1 - cos).
+        whole = 100 * 2 * math.pi * (1 - math.cos(0.5))
+        self.assertTrue(0.3 * whole < light["lumens"] < whole)
+        self.assertAlmostEqual(light["outer_cone_deg"], math.degrees(0.5), delta=1e-3)
+        self.assertAlmostEqual(info["cameras"][0]["yfov_deg"], math.degrees(0.8), delta=1e-3)
+        self.assertAlmostEqual(info["cameras"][0]["focal_length_mm"], 12 / math.tan(0.4), delta=1e-3)
+        self.assertEqual((info["size"], info["size_hint"]), ([2, 2, 0], "a person"))
+        self.assertRegex(self.succeeds("info", "a.glb").out, r"(?m)^size +2 x 2 x 0 m, as large as a person$")
+
     def test_big_file_answers_at_once(self):
         big = self.assets() / "models" / "DamagedHelmet" / "glTF-Binary" / "DamagedHelmet.glb"
         if not big.exists():
@@ -85,6 +139,10 @@ class Info(CliTest):
         info = self.json_of("a.gltf")
         self.assertEqual(sorted(info["extensions"]["used"]), ["KHR_materials_ior", "VENDOR_unheard_of"])
         self.assertEqual(info["extensions"]["unsupported"], ["VENDOR_unheard_of"])
+        status = {e["name"]: (e["required"], e["status"]) for e in info["extensions"]["all"]}
+        self.assertEqual(
+            status, {"KHR_materials_ior": (False, "supported"), "VENDOR_unheard_of": (False, "ignored")}
+        )
         self.assertEqual(len(info["warnings"]), 1)
         self.assertIn("VENDOR_unheard_of", info["warnings"][0])
         self.assertEqual(info["animations"], 0)

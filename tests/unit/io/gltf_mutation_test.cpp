@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "io/gltf_survey.h"
 #include "unit/io/gltf_seeds.h"
 
 namespace candela::io::test {
@@ -18,6 +19,7 @@ bool loads(std::span<const std::byte> bytes) {
     const Scene scene = load_gltf(bytes, {}, diagnostics, LoadOptions(), &info);
     validate(scene);
     world_bounds(scene);
+    survey_gltf(bytes, {}, {.decode_images = true});
     for (std::size_t i = 0; i < std::min<std::size_t>(info.variants.size(), 2); ++i) {
       validate(load_gltf(bytes, {}, diagnostics, LoadOptions{.variant = info.variants[i]}));
     }

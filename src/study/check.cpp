@@ -1,0 +1,50 @@
+#include "study/check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "study/check_parts.h"
+
+namespace candela::study {
+
+const char* severity_name(Severity severity) {
+  switch (severity) {
+    case Severity::note:
+      return "note";
+    case Severity::warning:
+      return "warning";
+    case Severity::error:
+      return "error";
+  }
+  return "";
+}
+
+std::string material_label(const Scene& scene, int material) {
+  const std::string& name = scene.materials[static_cast<std::size_t>(material)].name;
+  return name.empty() ? fmt::format("material {}", material) : fmt::format("material '{}'", name);
+}
+
+std::string texture_label(const Scene& scene, int texture, const FileSurvey* survey) {
+  const Texture& t = scene.textures[static_cast<std::size_t>(texture)];
+  std::string name = t.name;
+  const auto image = static_cast<std::size_t>(t.image);
+  if (name.empty() && survey != nullptr && image < survey->images.size()) name = survey->images[image].name;
+  return name.empty() ? fmt::format("texture {}", texture) : fmt::format("texture '{}'", name);
+}
+
+std::vector<Finding> check_asset(const CheckInput& input) {
+  std::vector<Finding> findings;
+  const std::vector<MaterialSurface> surfaces = material_surfaces(input.scene);
+  check_file(input, findings);
+  check_textures(input.scene, surfaces, findings);
+  check_normal_maps(input.scene, surfaces, findings);
+  check_surfaces(input.scene, surfaces, findings);
+  check_volumes(input.scene, findings);
+  check_lights(input.scene, findings);
+  std::stable_sort(findings.begin(), findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+  return findings;
+}
+
+}  // namespace candela::study
