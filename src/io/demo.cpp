@@ -239,7 +239,9 @@ Scene make_relief() {
   ball.roughness = 0.15f;
   builder.node("ball", builder.mesh("ball", sphere(0.22f), builder.material(ball)), translation({-0.25f, 0.2f, -0.1f}));
   builder.camera({1.1f, 0.75f, 1.5f}, {0.0f, 0.02f, 0.0f}, 40.0f, 16.0f / 9.0f);
-  return builder.finish("sky:22", 0.00008f);
+  Scene scene = builder.finish("sky:22", 1.0f);
+  scene.preferred_exposure.reset();  // a sky is metered
+  return scene;
 }
 
 const std::vector<DemoInfo>& demos() {

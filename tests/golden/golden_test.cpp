@@ -48,6 +48,7 @@ std::vector<Case> cases() {
           {"glass", "demo:row-transmission-roughness", "studio"},
           {"subsurface", "demo:row-subsurface", "sky"},
           {"panel", "demo:cornell", "none"},
+          {"relief", "demo:relief", "sky:22"},
           {"occlusion", "demo:materials", "studio", with([](auto& s) { s.occlusion_radius = 0.05f; })},
           {"ue4", "demo:spheres", "studio", with([](auto& s) { s.shading = shade::shading_model_ue4(); })},
           {"normals", "demo:materials", "studio", with([](auto& s) { s.quantity = raster::Quantity::normal; })}};
