@@ -22,7 +22,7 @@ ALLOWED = {
     "ibl": {"scene", "shade", "image", "math", "base"},
     "gl": {"base"},
     "raster": {"gl", "ibl", "scene", "shade", "image", "math", "base"},
-    "study": {"ibl", "path", "scene", "shade", "image", "math", "base"},
+    "study": {"raster", "ibl", "path", "io", "scene", "shade", "image", "math", "base"},
     "candela": {"path", "io", "scene", "image", "math", "base"},
 }
 
@@ -36,7 +36,7 @@ THIRD_PARTY = {
     "Imf": {"image"},
     "OpenEXR/": {"image"},
     "embree": {"path"},
-    "fmt/": {"app", "candela", "ibl", "image", "io", "path", "raster", "scene"},
+    "fmt/": {"app", "candela", "ibl", "image", "io", "path", "raster", "scene", "study"},
     "glm/": set(ALLOWED) | {"app"},
     "jpeglib.h": {"image"},
     "nlohmann/": {"app", "io"},

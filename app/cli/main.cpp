@@ -38,7 +38,7 @@ int fail(int code, const std::string& message, const std::string& hint = {}) {
 
 std::string usage_hint(int argc, char** argv) {
   const std::string_view verb = argc > 1 ? argv[1] : "";
-  const bool known = verb == "render" || verb == "info" || verb == "furnace" || verb == "bake";
+  const bool known = verb == "render" || verb == "info" || verb == "furnace" || verb == "bake" || verb == "figures";
   return std::string("Try 'candela ") + (known ? std::string(verb) + " " : "") + "--help'.\n";
 }
 
@@ -77,6 +77,7 @@ int run(int argc, char** argv) {
   const Verb info = add_info(app);
   const Verb furnace = add_furnace(app);
   const Verb bake = add_bake(app);
+  const Verb figures = add_figures(app);
   app.footer("`candela VERB --help` tells more, with examples.");  // last, because verbs inherit it
 
   try {
@@ -85,7 +86,8 @@ int run(int argc, char** argv) {
     if (app.got_subcommand("info")) return info(), kDone;
     if (app.got_subcommand("furnace")) return furnace(), kDone;
     if (app.got_subcommand("bake")) return bake(), kDone;
-    throw UsageError("no verb given: render, info, furnace or bake");
+    if (app.got_subcommand("figures")) return figures(), kDone;
+    throw UsageError("no verb given: render, info, furnace, bake or figures");
   } catch (const CLI::CallForHelp&) {
     print(app.help());
     return kDone;

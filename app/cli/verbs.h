@@ -11,6 +11,7 @@ Verb add_render(CLI::App& app);
 Verb add_info(CLI::App& app);
 Verb add_furnace(CLI::App& app);
 Verb add_bake(CLI::App& app);
+Verb add_figures(CLI::App& app);
 
 /// Writes `text` to standard output; throws Error where that fails (a full disk behind a redirection).
 void print(const std::string& text);
