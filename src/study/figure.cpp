@@ -102,7 +102,12 @@ double relative_error(const Image& image, const Image& reference, int begin, int
   return power > 0.0 ? std::sqrt(mse(columns(image, begin, last), truth) / power) : 0.0;
 }
 
-std::string percent_text(double share) { return fmt::format("{:.{}f} %", 100.0 * share, share < 0.0995 ? 1 : 0); }
+std::string percent_text(double share) {
+  const double percent = 100.0 * share;
+  if (percent >= 9.95) return fmt::format("{:.0f} %", percent);
+  if (percent >= 0.995 || percent == 0.0) return fmt::format("{:.1f} %", percent);
+  return fmt::format("{:.2g} %", percent);
+}
 
 std::vector<dvec2> sampled(double low, double high, int count, const std::function<double(double)>& f) {
   std::vector<dvec2> points;
@@ -140,32 +145,56 @@ constexpr float kAzimuthDeg = 35.0f;
 
 }  // namespace
 
-Scene sphere_grid(const std::vector<std::vector<Material>>& rows) {
+Scene sphere_row(const std::vector<Material>& materials) {
   io::SceneBuilder builder("spheres");
-  const int root = builder.node("grid", -1, io::rotation_y(kAzimuthDeg));
+  const int root = builder.node("row", -1, io::rotation_y(kAzimuthDeg));
   const Primitive shape = io::sphere(1.0f, 96);
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    for (std::size_t i = 0; i < rows[row].size(); ++i) {
-      Material material = rows[row][i];
-      material.name = fmt::format("ball {} {}", row, i);
-      const vec3 place((static_cast<float>(i) - 0.5f * static_cast<float>(rows[row].size() - 1)) * kSphereSpacing,
-                       (0.5f * static_cast<float>(rows.size() - 1) - static_cast<float>(row)) * kSphereSpacing, 0.0f);
-      const std::string name = material.name;
-      builder.node(name, builder.mesh(name, shape, builder.material(std::move(material))), io::translation(place),
-                   root);
-    }
+  const auto middle = 0.5f * static_cast<float>(materials.size() - 1);
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    Material material = materials[i];
+    material.name = fmt::format("ball {}", i);
+    const std::string name = material.name;
+    const vec3 place((static_cast<float>(i) - middle) * kSphereSpacing, 0.0f, 0.0f);
+    builder.node(name, builder.mesh(name, shape, builder.material(std::move(material))), io::translation(place), root);
   }
   return builder.finish("studio", 1.0f);
 }
 
-Scene sphere_row(const std::vector<Material>& materials) { return sphere_grid({materials}); }
-
-View sphere_view(int columns, int rows) {
+View sphere_view(int count) {
   View view;
   view.world_from_camera = io::rotation_y(kAzimuthDeg) * io::translation(vec3(0.0f, 0.0f, 10.0f));
-  view.projection = OrthographicCamera{.xmag = 0.5f * kSphereSpacing * static_cast<float>(columns),
-                                       .ymag = 0.5f * kSphereSpacing * static_cast<float>(rows)};
+  view.projection =
+      OrthographicCamera{.xmag = 0.5f * kSphereSpacing * static_cast<float>(count), .ymag = 0.5f * kSphereSpacing};
   return view;
+}
+
+Film beside(int count, const std::function<Film(int)>& picture) {
+  Film all;
+  for (int i = 0; i < count; ++i) {
+    const Image one = picture(i).beauty;
+    if (all.beauty.empty()) all.beauty = Image(count * one.width, one.height, one.channels);
+    for (int y = 0; y < one.height; ++y) {
+      const auto* const row = one.pixels.data() + one.index(0, y);
+      std::copy_n(row, one.width * one.channels, all.beauty.pixels.data() + all.beauty.index(i * one.width, y));
+    }
+  }
+  return all;
+}
+
+Film trace_balls(FigureContext& context, const std::vector<Material>& materials, const path::Settings& settings) {
+  const Environment& studio = context.environment("studio");
+  return beside(static_cast<int>(materials.size()), [&](int i) {
+    return context.trace(sphere_row({materials[static_cast<std::size_t>(i)]}), studio, sphere_view(1), settings);
+  });
+}
+
+std::vector<std::string> errors_of_each(const Film& film, const Film& truth, int count) {
+  std::vector<std::string> errors;
+  const int side = truth.width() / count;
+  for (int i = 0; i < count; ++i) {
+    errors.push_back(percent_text(relative_error(film.beauty, truth.beauty, i * side, (i + 1) * side)));
+  }
+  return errors;
 }
 
 }  // namespace candela::study

@@ -32,6 +32,7 @@ struct Panel {
   std::string caption;                              ///< what is seen
   std::string error = {};                           ///< numbers printed under it: how far it is from the truth
   std::vector<std::string> scale = {};              ///< under equal parts of its width
+  bool is_wide = false;                             ///< takes all columns
 };
 
 struct Table {
@@ -112,7 +113,7 @@ class FigureContext {
 /// Root of the mean squared difference over the root mean square of the reference, over the colour channels of columns
 /// [begin, end); end 0 = all.
 double relative_error(const Image& image, const Image& reference, int begin = 0, int end = 0);
-/// "3.2 %".
+/// "12 %", "3.2 %", "0.054 %".
 std::string percent_text(double share);
 
 /// f at `count` even steps from `low` to `high`.
@@ -121,13 +122,19 @@ std::vector<dvec2> sampled(double low, double high, int count, const std::functi
 /// Least squares of log y over log x; points that have no logarithm are left out.
 double logarithmic_slope(const std::vector<dvec2>& points);
 
-/// Balls of radius 1 beside each other, lit as from the studio's camera and seen by parallel rays; one material each.
-Scene sphere_row(const std::vector<Material>& materials);
-/// Sees `columns` × `rows` balls of a sphere_row or sphere_grid, whose pixels are square at 2.3 by 2.3 per ball.
-View sphere_view(int columns, int rows = 1);
+/// Balls of radius 1 beside each other, as the studio's camera sees them by parallel rays, `kSphereSpacing` apart.
 inline constexpr float kSphereSpacing = 2.3f;
-/// Rows of them, from the top.
-Scene sphere_grid(const std::vector<std::vector<Material>>& rows);
+Scene sphere_row(const std::vector<Material>& materials);
+/// Sees `count` of them in a picture `count` times as wide as high.
+View sphere_view(int count);
+
+/// A square picture of each of `count` things beside each other.
+Film beside(int count, const std::function<Film(int)>& picture);
+/// Path traced balls, each alone in the world: none is mirrored in another, which prefiltered light does not know
+/// either. `settings` are of one square picture.
+Film trace_balls(FigureContext& context, const std::vector<Material>& materials, const path::Settings& settings);
+/// How far each of `count` square pictures beside each other is from the truth.
+std::vector<std::string> errors_of_each(const Film& film, const Film& truth, int count);
 
 // ----- the chapters
 

@@ -83,15 +83,12 @@ Figure gamma(FigureContext& context) {
                                   paint(vec3(1.0f, 0.782f, 0.344f), 1.0f, 0.3f)};
   const int side = context.pixels(150);
   path::Settings settings;
-  settings.width = side * static_cast<int>(materials.size());
-  settings.height = side;
+  settings.width = settings.height = side;
   settings.samples = context.settings().samples;
   settings.background = path::Background::transparent;
-  const View view = sphere_view(static_cast<int>(materials.size()));
-  const Environment& studio = context.environment("studio");
-  const Image right = clipped(context.trace(sphere_row(materials), studio, view, settings).beauty);
+  const Image right = clipped(trace_balls(context, materials, settings).beauty);
   for (Material& material : materials) material.base_color = shade::srgb_encode(material.base_color);
-  const Image raw = clipped(context.trace(sphere_row(materials), studio, view, settings).beauty);
+  const Image raw = clipped(trace_balls(context, materials, settings).beauty);
 
   const Image truth = displayed(right, itself);
   const auto error = [&](const Image& codes) {
@@ -182,7 +179,8 @@ Figure tone_mapping(FigureContext& context) {
                            .ink = categorical_ink(static_cast<int>(i)),
                            .stroke = i == 0 ? Stroke::dashed : Stroke::solid});
   }
-  figure.panels.push_back({"tone-mapping-curves.svg", plot_svg(plot), "Grey light, after the sRGB encoding"});
+  figure.panels.push_back(
+      {"tone-mapping-curves.svg", plot_svg(plot), "Grey light, after the sRGB encoding", {}, {}, true});
   return figure;
 }
 

@@ -76,13 +76,13 @@ Figure ndf_models(FigureContext&) {
       "is the glow around a highlight of metal or lacquer; Beckmann's facets have normally distributed slopes and end "
       "sooner, and the cosine power of Blinn–Phong ends soonest."};
   figure.formulas = {"D_{\\op{Beckmann}}(h) = \\frac{1}{π α^2 (n·h)^4} \\op{exp} ( \\frac{(n·h)^2 − 1}{α^2 (n·h)^2} )",
-                     "D_{\\op{Blinn–Phong}}(h) = \\frac{m + 2}{2π} (n·h)^m , m = \\frac{2}{α^2} − 2"};
+                     "D_{\\op{Blinn–Phong}}(h) = \\frac{m + 2}{2π} (n·h)^m , \\quad m = \\frac{2}{α^2} − 2"};
   figure.sources = {std::string(kWalter) + ", eq. 25, 30 and 33",
                     "Beckmann & Spizzichino 1963, The Scattering of Electromagnetic Waves from Rough Surfaces",
                     "Blinn 1977, Models of Light Reflection for Computer Synthesized Pictures"};
   figure.functions = {"shade::ggx_d", "shade::beckmann_d", "shade::blinn_phong_d"};
-  figure.columns = 3;
-  for (const float roughness : {0.3f, 0.5f, 0.7f}) {
+  figure.columns = 2;
+  for (const float roughness : {0.25f, 0.4f, 0.6f, 0.8f}) {
     const float alpha = shade::roughness_to_alpha(roughness);
     const double peak = shade::ggx_d(vec3(0, 0, 1), alpha);
     Plot plot{.title = fmt::format("Distributions of facets at roughness {}", roughness),
@@ -90,8 +90,7 @@ Figure ndf_models(FigureContext&) {
               .y = {.label = "D, 1/sr",
                     .low = 1e-5 * std::exp2(std::round(std::log2(peak))),
                     .high = 3.0 * peak,
-                    .scale = Scale::logarithmic},
-              .height = 460};
+                    .scale = Scale::logarithmic}};
     const auto add = [&](const char* label, float (*d)(vec3, float), int ink, Stroke stroke) {
       plot.curves.push_back(
           {.label = label,
@@ -115,8 +114,9 @@ Figure geometry(FigureContext&) {
       "Facets stand in each other's way: some are masked from the viewer, some lie in the shadow of others. G is the "
       "share "
       "of those that face h which are neither. The rougher the surface and the lower the light, the less is left."};
-  figure.formulas = {"G_1(v) = \\frac{1}{1 + Λ(v)} , Λ(v) = \\frac{1}{2} ( \\sqrt{1 + α^2 \\op{tan}^2 θ} − 1 )",
-                     "G_1(v) = \\frac{2 (n·v)}{(n·v) + \\sqrt{α^2 + (1 − α^2) (n·v)^2}}"};
+  figure.formulas = {
+      "G_1(v) = \\frac{1}{1 + Λ(v)} , \\quad Λ(v) = \\frac{1}{2} ( \\sqrt{1 + α^2 \\op{tan}^2 \\, θ} − 1 )",
+      "G_1(v) = \\frac{2 (n·v)}{(n·v) + \\sqrt{α^2 + (1 − α^2) (n·v)^2}}"};
   figure.sources = {std::string(kHeitz) + ", eq. 43 and 72", std::string(kWalter) + ", eq. 34"};
   figure.functions = {"shade::ggx_g1"};
   Plot plot{.title = "Smith's masking over roughness",
@@ -145,23 +145,22 @@ Figure geometry_models(FigureContext&) {
       "surfaces "
       "on purpose, and one for images that is close to Smith's."};
   figure.formulas = {
-      "G_{\\op{correlated}} = \\frac{1}{1 + Λ(v) + Λ(l)} , G_{\\op{separable}} = G_1(v) G_1(l)",
-      "G_{\\op{Schlick}}(x) = \\frac{x}{x (1 − k) + k} , k_{\\op{direct}} = \\frac{(r + 1)^2}{8} , "
+      "G_{\\op{correlated}} = \\frac{1}{1 + Λ(v) + Λ(l)} , \\quad G_{\\op{separable}} = G_1(v) G_1(l)",
+      "G_{\\op{Schlick}}(x) = \\frac{x}{x (1 − k) + k} , \\quad k_{\\op{direct}} = \\frac{(r + 1)^2}{8} , \\quad "
       "k_{\\op{IBL}} = \\frac{r^2}{2}",
       "G_{\\op{Beckmann}}(v) = \\frac{3.535 c + 2.181 c^2}{1 + 2.276 c + 2.577 c^2} \\text{ for } c < 1.6 "
-      "\\text{, else } 1, c = \\frac{1}{α \\op{tan} θ}"};
+      "\\text{, else } 1 , \\quad c = \\frac{1}{α \\op{tan} \\, θ}"};
   figure.sources = {std::string(kHeitz) + ", eq. 99", std::string(kKaris) + ", eq. 4",
                     "Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering",
                     std::string(kWalter) + ", eq. 23 and 27"};
   figure.functions = {"shade::ggx_v_smith", "shade::v_smith_separable", "shade::v_schlick_ggx",
                       "shade::v_beckmann_rational"};
-  figure.columns = 3;
-  for (const float roughness : {0.25f, 0.5f, 1.0f}) {
+  figure.columns = 2;
+  for (const float roughness : {0.25f, 0.5f, 0.75f, 1.0f}) {
     const float alpha = shade::roughness_to_alpha(roughness);
     Plot plot{.title = fmt::format("Models of masking at roughness {}", roughness),
               .x = angle_axis("angle of v and of l to the normal, degrees"),
-              .y = {.label = "G"},
-              .height = 460};
+              .y = {.label = "G"}};
     const auto add = [&](const char* label, const std::function<float(vec3, vec3)>& v, int ink, Stroke stroke) {
       const auto g = [&](double degrees) {
         const vec3 wo = at_degrees(-degrees), wi = at_degrees(degrees);
@@ -218,7 +217,7 @@ Figure brdf_lobes(FigureContext&) {
                   .incoming = kIncoming,
                   .incoming_label = "light"};
   PolarPlot plastic{.title = "Lobes of a dielectric over roughness",
-                    .radius = 0.5,
+                    .radius = 0.0,
                     .label = "f (n·l), 1/sr",
                     .incoming = kIncoming,
                     .incoming_label = "light"};
@@ -236,12 +235,14 @@ Figure brdf_lobes(FigureContext&) {
     for (const dvec2 p : points) peak = std::max(peak, p.y);
     for (dvec2& p : points) p.y /= peak;
     metal.lobes.push_back({roughness_label(kRoughness[i]), std::move(points), ink});
+    if (i == 0) continue;  // its reflection is ten times as long as all else
     params.metallic = 0.0f;
-    plastic.lobes.push_back({roughness_label(kRoughness[i]), lobe(params), ink});
+    points = lobe(params);
+    for (const dvec2 p : points) plastic.radius = std::max(plastic.radius, p.y);
+    plastic.lobes.push_back({roughness_label(kRoughness[i]), std::move(points), ink});
   }
-  figure.panels = {
-      {"brdf-lobes-metal.svg", polar_plot_svg(metal), "White metal, each lobe over its peak"},
-      {"brdf-lobes-dielectric.svg", polar_plot_svg(plastic), "White dielectric of index 1.5; peaks are cut"}};
+  figure.panels = {{"brdf-lobes-metal.svg", polar_plot_svg(metal), "White metal, each lobe over its peak"},
+                   {"brdf-lobes-dielectric.svg", polar_plot_svg(plastic), "White dielectric of index 1.5"}};
   return figure;
 }
 
@@ -274,7 +275,8 @@ Figure energy(FigureContext& context) {
   for (const float metallic : {1.0f, 0.0f}) {
     Plot plot{.title = "White furnace over roughness",
               .x = {.label = "roughness"},
-              .y = {.label = "E at 45°", .low = 0.0, .high = 1.4}};
+              .y = {.label = "E at 45°", .low = 0.0, .high = 1.2}};
+    if (metallic < 0.5f) plot.y = {.label = "E at 45°", .low = 0.9, .high = 1.1};
     for (std::size_t m = 0; m < models.size(); ++m) {
       context.check_stop();
       std::vector<dvec2> points(kSteps);

@@ -43,8 +43,9 @@ Figure dielectrics(FigureContext&) {
       "denser side is reflected wholly beyond the critical angle."};
   figure.formulas = {"F_0 = ( \\frac{n_1 − n_2}{n_1 + n_2} )^2", "F_{\\op{Schlick}} = F_0 + (1 − F_0) (1 − v·h)^5",
                      "F_{\\op{Gauss}} = F_0 + (1 − F_0) 2^{(−5.55473 v·h − 6.98316) v·h}",
-                     "n_1 \\op{sin} θ_1 = n_2 \\op{sin} θ_2 , \\op{tan} θ_{\\op{Brewster}} = \\frac{n_2}{n_1} , "
-                     "\\op{sin} θ_{\\op{critical}} = \\frac{n_2}{n_1}"};
+                     "n_1 \\, \\op{sin} \\, θ_1 = n_2 \\, \\op{sin} \\, θ_2 , \\quad \\op{tan} \\, θ_{\\op{Brewster}} "
+                     "= \\frac{n_2}{n_1} , \\quad "
+                     "\\op{sin} \\, θ_{\\op{critical}} = \\frac{n_2}{n_1}"};
   figure.sources = {"Born & Wolf 1999, Principles of Optics, §1.5.2",
                     "Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering, eq. 15",
                     "Karis 2013, Real Shading in Unreal Engine 4, eq. 5"};
@@ -55,7 +56,7 @@ Figure dielectrics(FigureContext&) {
   Plot curves{.title = "Fresnel reflectance of dielectrics", .x = angle_axis(), .y = {.label = "reflectance"}};
   Plot errors{.title = "Error of the approximations",
               .x = angle_axis(),
-              .y = {.label = "approximation − exact", .low = -0.06, .high = 0.06, .step = 0.02}};
+              .y = {.label = "approximation − exact", .low = -0.04, .high = 0.08, .step = 0.02}};
   figure.table.head = {"", "index", "F₀", "largest error, Schlick", "spherical Gaussian"};
   for (std::size_t i = 0; i < kDielectrics.size(); ++i) {
     const Dielectric d = kDielectrics[i];
@@ -129,8 +130,9 @@ Figure metals_figure(FigureContext&) {
       "The indices are measured ones, reduced to the three primaries so that the colour is right at the normal and at "
       "82°."};
   figure.formulas = {
-      "F_s = \\frac{a^2 + b^2 − 2 a \\op{cos} θ + \\op{cos}^2 θ}{a^2 + b^2 + 2 a \\op{cos} θ + \\op{cos}^2 θ} ,"
-      " (a + i b)^2 = (n + i k)^2 − \\op{sin}^2 θ",
+      "F_s = \\frac{a^2 + b^2 − 2 a \\, \\op{cos} \\, θ + \\op{cos}^2 \\, θ}{a^2 + b^2 + 2 a \\, \\op{cos} \\, θ + "
+      "\\op{cos}^2 \\, θ} ,"
+      " \\quad (a + i b)^2 = (n + i k)^2 − \\op{sin}^2 \\, θ",
       "F_0 = \\frac{(n − 1)^2 + k^2}{(n + 1)^2 + k^2}"};
   figure.sources = {"Born & Wolf 1999, Principles of Optics, §14.2",
                     "Johnson & Christy 1974, Optical constants of transition metals",

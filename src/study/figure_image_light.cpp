@@ -25,17 +25,15 @@ namespace {
 
 const char* const kKaris = "Karis 2013, Real Shading in Unreal Engine 4";
 
-/// Balls under four lamps, as the texts have them.
-Scene balls_under_lamps() {
-  std::vector<Material> materials;
-  for (int i = 0; i < 5; ++i) {
-    Material material;
-    material.base_color = i % 2 == 0 ? vec3(0.5f, 0.03f, 0.02f) : vec3(1.0f, 0.782f, 0.344f);
-    material.metallic = i % 2 == 0 ? 0.0f : 1.0f;
-    material.roughness = 0.1f + 0.2f * static_cast<float>(i);
-    materials.push_back(material);
-  }
-  Scene scene = sphere_row(materials);
+constexpr int kLampBalls = 5;
+
+/// One of kLampBalls balls, alone under four lamps, as the texts have them.
+Scene ball_under_lamps(int i) {
+  Material material;
+  material.base_color = i % 2 == 0 ? vec3(0.5f, 0.03f, 0.02f) : vec3(1.0f, 0.782f, 0.344f);
+  material.metallic = i % 2 == 0 ? 0.0f : 1.0f;
+  material.roughness = 0.1f + 0.2f * static_cast<float>(i);
+  Scene scene = sphere_row({material});
   for (const vec2 at : {vec2(-4, 4), vec2(4, 4), vec2(-4, -4), vec2(4, -4)}) {
     Node node;
     node.name = "lamp";
@@ -59,44 +57,45 @@ Figure irradiance_map(FigureContext& context) {
       "renderer looks "
       "both up; the path tracer asks the room itself."};
   figure.formulas = {
-      "L_o = Σ_k f(l_k, v) E_k (n·l_k) + \\frac{ρ}{π} E(n) + ∫_Ω f_{\\op{specular}} L_i (n·l) \\text{ d}l",
+      "L_o = ∑_k f(l_k, v) E_k (n·l_k) + \\frac{ρ}{π} E(n) + ∫_Ω f_{\\op{specular}} L_i (n·l) \\text{ d}l",
       "E(n) = ∫_Ω L_i(l) (n·l) \\text{ d}l"};
   figure.sources = {"de Vries, LearnOpenGL, PBR lighting and Diffuse irradiance",
                     "Ramamoorthi & Hanrahan 2001, An Efficient Representation for Irradiance Environment Maps", kKaris};
   figure.functions = {"raster::Session::draw", "path::render", "ibl::irradiance_cube"};
-  const Scene scene = balls_under_lamps();
-  constexpr int kCount = 5;
-  const int side = context.pixels(160);
-  const View view = sphere_view(kCount);
   path::Settings tracing;
-  tracing.width = kCount * side;
-  tracing.height = side;
+  tracing.width = tracing.height = context.pixels(160);
   tracing.samples = 2 * context.settings().samples;
   tracing.background = path::Background::transparent;
   raster::Settings drawing;
-  drawing.width = tracing.width;
-  drawing.height = tracing.height;
-  drawing.frames = 8;
+  drawing.width = drawing.height = tracing.width;
+  drawing.frames = 4;
   drawing.background = raster::Background::transparent;
-  const Environment& studio = context.environment("studio");
-  const Film truth = context.trace(scene, studio, view, tracing);
-  const DevelopSettings shown{.exposure = 1.0f};
-  const auto add = [&](const char* file, const std::optional<Film>& film, const char* caption) {
-    if (!film) return;
-    std::vector<std::string> errors;
-    for (int i = 0; i < kCount; ++i) {
-      errors.push_back(percent_text(relative_error(film->beauty, truth.beauty, i * side, (i + 1) * side)));
-    }
-    figure.panels.push_back({file, develop(*film, shown), caption,
-                             "error " + percent_text(relative_error(film->beauty, truth.beauty)), std::move(errors)});
+  const View view = sphere_view(1);
+  const auto traced = [&](const char* environment) {
+    return beside(kLampBalls, [&](int i) {
+      return context.trace(ball_under_lamps(i), context.environment(environment), view, tracing);
+    });
   };
-  add("irradiance-map-lamps.png", context.trace(scene, context.environment("none"), view, tracing),
-      "lamps alone, path traced");
-  add("irradiance-map-lamps-raster.png", context.draw(scene, context.environment("none"), view, drawing),
-      "lamps alone, in real time");
-  add("irradiance-map-raster.png", context.draw(scene, studio, view, drawing),
-      "lamps and the room by irradiance map and prefiltered cube, in real time");
-  if (!context.has_opengl()) figure.left_out.emplace_back("the pictures in real time, which need OpenGL");
+  const auto drawn = [&](const char* environment) {
+    return beside(kLampBalls, [&](int i) {
+      return *context.draw(ball_under_lamps(i), context.environment(environment), view, drawing);
+    });
+  };
+  const Film truth = traced("studio");
+  const DevelopSettings shown{.exposure = 1.0f};
+  const auto add = [&](const char* file, const Film& film, const char* caption) {
+    figure.panels.push_back({file, develop(film, shown), caption,
+                             "error " + percent_text(relative_error(film.beauty, truth.beauty)),
+                             errors_of_each(film, truth, kLampBalls)});
+  };
+  add("irradiance-map-lamps.png", traced("none"), "lamps alone, path traced");
+  if (context.has_opengl()) {
+    add("irradiance-map-lamps-raster.png", drawn("none"), "lamps alone, in real time");
+    add("irradiance-map-raster.png", drawn("studio"),
+        "lamps and the room by irradiance map and prefiltered cube, in real time");
+  } else {
+    figure.left_out.emplace_back("the pictures in real time, which need OpenGL");
+  }
   figure.panels.push_back({"irradiance-map-truth.png", develop(truth, shown), "lamps and the room, path traced",
                            "the measure of the others"});
   return figure;
@@ -163,7 +162,7 @@ Figure environment_mips(FigureContext& context) {
       "What is left of the split sum's error is that front view: towards the rim a true reflection stretches, and "
       "bends to the horizon."};
   figure.formulas = {"∫_Ω f L_i (n·l) \\text{ d}l ≈ ( ∫_Ω L_i D (n·l) \\text{ d}l ) ( F_0 A + F_{90} B )",
-                     "\\op{level} = \\op{levels} − 1 + \\op{log}_2 α"};
+                     "\\op{level} = \\op{levels} − 1 + \\op{log}_2 \\, α"};
   figure.sources = {kKaris, "Lagarde & de Rousiers 2014, Moving Frostbite to Physically Based Rendering, §4.9",
                     "Ratković 2017, Physically Based Rendering (the simple alternatives)"};
   figure.functions = {"ibl::cube_mips", "ibl::Prefilter", "shade::surface_shares", "path::render"};
@@ -180,12 +179,10 @@ Figure environment_mips(FigureContext& context) {
   const int side = context.pixels(140);
   const Environment& studio = context.environment("studio");
   path::Settings settings;
-  settings.width = side * static_cast<int>(materials.size());
-  settings.height = side;
+  settings.width = settings.height = side;
   settings.samples = context.settings().reference / 2;
   settings.background = path::Background::transparent;
-  const Film truth =
-      context.trace(sphere_row(materials), studio, sphere_view(static_cast<int>(materials.size())), settings);
+  const Film truth = trace_balls(context, materials, settings);
 
   const ibl::Source source = ibl::make_source(studio);
   const Cubemap mips = ibl::cube_mips(ibl::cube_from_source(source, 256));
@@ -201,14 +198,11 @@ Figure environment_mips(FigureContext& context) {
 
   const DevelopSettings shown{.exposure = 1.0f};
   const auto add = [&](const char* file, const char* caption, Image image) {
-    std::vector<std::string> errors;
-    for (int i = 0; i < static_cast<int>(materials.size()); ++i) {
-      errors.push_back(percent_text(relative_error(image, truth.beauty, i * side, (i + 1) * side)));
-    }
-    const std::string error = "error " + percent_text(relative_error(image, truth.beauty));
     Film film;
     film.beauty = std::move(image);
-    figure.panels.push_back({file, develop(film, shown), caption, error, std::move(errors)});
+    figure.panels.push_back({file, develop(film, shown), caption,
+                             "error " + percent_text(relative_error(film.beauty, truth.beauty)),
+                             errors_of_each(film, truth, static_cast<int>(materials.size()))});
   };
   figure.panels.push_back({"environment-mips-truth.png", develop(truth, shown),
                            fmt::format("path traced, {} samples per pixel", settings.samples),
@@ -280,11 +274,14 @@ Figure irradiance_convergence(FigureContext& context) {
   figure.text = {
       "Three ways to the irradiance map of the studio, against the exact sum over all of its texels. The grid in polar "
       "coordinates, as texts print it, needs "
-      "the sine of the polar angle or its pole is far too bright; random directions of cosine density need no weight. "
+      "the sine of the polar angle or its pole is far too bright; directions of cosine density, here Hammersley’s "
+      "points, need no weight. "
       "Nine numbers of spherical harmonics, degree 2, hold almost all of it, for a cosine is a wide lobe."};
   figure.formulas = {
-      "E(n) = ∫_Ω L_i (n·l) \\text{ d}l ≈ \\frac{2 π}{N_1} \\frac{π}{2 N_2} Σ_i Σ_j L_i \\op{cos} θ_j \\op{sin} θ_j",
-      "E(n) = Σ_{l m} A_l L_{l m} Y_{l m}(n) , A_0 = π , A_1 = \\frac{2 π}{3} , A_2 = \\frac{π}{4}"};
+      "E(n) = ∫_Ω L_i (n·l) \\text{ d}l ≈ \\frac{2 π}{N_1} \\frac{π}{2 N_2} ∑_i ∑_j L_i \\, \\op{cos} \\, θ_j \\, "
+      "\\op{sin} \\, θ_j",
+      "E(n) = ∑_{l m} A_l L_{l m} Y_{l m}(n) , \\quad A_0 = π , \\quad A_1 = \\frac{2 π}{3} , \\quad A_2 = "
+      "\\frac{π}{4}"};
   figure.sources = {"Ramamoorthi & Hanrahan 2001, An Efficient Representation for Irradiance Environment Maps",
                     "de Vries, LearnOpenGL, Diffuse irradiance"};
   figure.functions = {"ibl::irradiance", "ibl::sh_project", "ibl::sh_irradiance"};
@@ -304,7 +301,7 @@ Figure irradiance_convergence(FigureContext& context) {
           source, directions, is_grid ? ibl::IrradianceMethod::riemann : ibl::IrradianceMethod::montecarlo, n, 1);
       errors.emplace_back(n, ibl::compare(values, exact, directions).rms);
     }
-    plot.curves.push_back({.label = is_grid ? "Riemann" : "Monte Carlo",
+    plot.curves.push_back({.label = is_grid ? "Riemann" : "Hammersley",
                            .points = std::move(errors),
                            .ink = categorical_ink(is_grid ? 2 : 0),
                            .stroke = is_grid ? Stroke::dashed : Stroke::solid,
@@ -321,7 +318,7 @@ Figure irradiance_convergence(FigureContext& context) {
   std::vector<std::string> row{"error"};
   for (const dvec2 p : by_order) {
     figure.table.head.push_back(fmt::format("{:.0f}", p.x));
-    row.push_back(fmt::format("{:.2g} %", 100.0 * p.y));
+    row.push_back(percent_text(p.y));
   }
   figure.table.rows = {row};
   Plot harmonics{

@@ -106,23 +106,22 @@ Figure riemann_monte_carlo(FigureContext& context) {
       "azimuth and polar angle and must weigh each cell by the sine of the latter; a Monte Carlo sum asks at random "
       "directions and "
       "divides by their density. Both converge to the same number.",
-      "The plot is the relative error of the radiance of a plastic of roughness 0.4 in the studio, root mean square "
-      "over normals and "
-      "seeds. Random points halve their error with four times the work, slope −½, whatever the dimension. Drawing "
-      "directions as the surface "
-      "reflects them lowers the curve; Sobol' points that fill the square evenly make it steeper. The grid is good "
-      "here, in two "
-      "dimensions: with each bounce it needs the square of its points again, and the random sum does not."};
-  figure.formulas = {"L_o(v) = ∫_Ω f(l, v) L_i(l) (n·l) \\text{ d}l",
-                     "L_o ≈ \\frac{2 π}{N_1} \\frac{π}{2 N_2} Σ_i Σ_j f L_i \\op{cos} θ_j \\op{sin} θ_j",
-                     "L_o ≈ \\frac{1}{N} Σ_k \\frac{f L_i \\op{cos} θ_k}{p(l_k)}"};
+      "The plot is the relative error of the radiance of a metal of roughness 0.4 in the studio, root mean square over "
+      "normals and seeds. Random points halve their error with four times the work, slope −½, whatever the dimension. "
+      "Drawing directions as the surface reflects them lowers the whole curve; Sobol’ points, which fill the square "
+      "evenly, make it steeper. The grid is hopeless while its cells are wider than the lobe and good once they are "
+      "finer, in two dimensions: with each bounce it needs the square of its points again, and the random sum does "
+      "not."};
+  figure.formulas = {
+      "L_o(v) = ∫_Ω f(l, v) L_i(l) (n·l) \\text{ d}l",
+      "L_o ≈ \\frac{2 π}{N_1} \\frac{π}{2 N_2} ∑_i ∑_j f L_i \\, \\op{cos} \\, θ_j \\, \\op{sin} \\, θ_j",
+      "L_o ≈ \\frac{1}{N} ∑_k \\frac{f L_i \\, \\op{cos} \\, θ_k}{p(l_k)}"};
   figure.sources = {"de Vries, LearnOpenGL, Diffuse irradiance", "Kajiya 1986, The Rendering Equation",
                     "Burley 2020, Practical Hash-based Owen Scrambling"};
   figure.functions = {"shade::surface_eval", "shade::surface_sample", "ibl::radiance_at", "SobolSampler"};
   const ibl::Source source = ibl::make_source(context.environment("studio"));
   shade::SurfaceParams params = shade::surface_params_default();
-  params.base_color = vec3(0.5f);
-  params.metallic = 0.0f;
+  params.base_color = vec3(0.9f);
   params.roughness = 0.4f;
 
   const bool is_draft = context.settings().samples < 32;
@@ -176,7 +175,7 @@ Figure riemann_monte_carlo(FigureContext& context) {
     }
     const double slope = logarithmic_slope({errors.begin() + 1, errors.end()});
     std::vector<std::string> row{method.name, fmt::format("−{:.2f}", -slope)};
-    for (const dvec2 e : errors) row.push_back(fmt::format("{:.2g} %", 100.0 * e.y));
+    for (const dvec2 e : errors) row.push_back(percent_text(e.y));
     figure.table.rows.push_back(std::move(row));
     plot.curves.push_back({.label = fmt::format("{}", method.name),
                            .points = std::move(errors),
@@ -197,7 +196,8 @@ Figure samples(FigureContext& context) {
       "nothing else changes. Looking for lights (next-event estimation, weighted against the material’s own samples) "
       "starts much lower than following the "
       "material alone, which finds a softbox by luck on rough balls."};
-  figure.formulas = {"σ_N = \\frac{σ_1}{\\sqrt{N}}", "L_o ≈ \\frac{1}{N} Σ_k \\frac{f L_i \\op{cos} θ_k}{p(l_k)}"};
+  figure.formulas = {"σ_N = \\frac{σ_1}{\\sqrt{N}}",
+                     "L_o ≈ \\frac{1}{N} ∑_k \\frac{f L_i \\, \\op{cos} \\, θ_k}{p(l_k)}"};
   figure.sources = {"Veach & Guibas 1995, Optimally Combining Sampling Techniques for Monte Carlo Rendering",
                     "Kajiya 1986, The Rendering Equation"};
   figure.functions = {"path::render with path::Integrator"};
@@ -216,7 +216,7 @@ Figure samples(FigureContext& context) {
 
   Plot plot{.title = "Error over samples",
             .x = {.label = "samples per pixel N", .low = 1, .high = 64, .scale = Scale::logarithmic},
-            .y = {.label = "relative RMS error", .low = 1e-3, .high = 4, .scale = Scale::logarithmic}};
+            .y = {.label = "relative RMS error", .low = 1e-2, .high = 2, .scale = Scale::logarithmic}};
   std::vector<Panel> pictures;
   for (const bool is_full : {false, true}) {
     settings.integrator = is_full ? path::Integrator::full : path::Integrator::minimal;
@@ -245,7 +245,8 @@ Figure samples(FigureContext& context) {
   pictures.push_back({"samples-reference.png", develop(truth, shown),
                       fmt::format("N = {}", context.settings().reference), "the measure of the others"});
   figure.panels = std::move(pictures);
-  figure.panels.push_back({"samples-error.svg", plot_svg(plot), "Error over samples, with the slope of each line"});
+  figure.panels.push_back(
+      {"samples-error.svg", plot_svg(plot), "Error over samples, with the slope of each line", {}, {}, true});
   return figure;
 }
 

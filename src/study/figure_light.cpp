@@ -48,7 +48,7 @@ Scene lamp_over_floor(const NamedFalloff& f) {
   builder.node("floor", builder.mesh("floor", floor, builder.material(white)));
   const int lamp = builder.node("lamp", -1, io::translation(vec3(kLampAt, kLampHeight, 0.0f)));
   builder.scene().lights.push_back(
-      {.name = "lamp", .intensity = 4.0f, .range = kRange, .falloff = f.kind, .polynomial = kPolynomial});
+      {.name = "lamp", .intensity = 60.0f, .range = kRange, .falloff = f.kind, .polynomial = kPolynomial});
   builder.scene().nodes[static_cast<std::size_t>(lamp)].light = 0;
   return builder.finish("none", 1.0f);
 }
@@ -70,10 +70,10 @@ Figure falloff_figure(FigureContext& context) {
       "glTF's leaves the inverse square untouched below half the range; UE4's adds 1 to d² so that nothing is divided "
       "by 0, "
       "which in metres halves the light at one metre. The polynomial is an artist's, not a lamp's.",
-      "The range here is 10 m. Below, a lamp of 4 cd one metre above the left end of a floor of 12 m."};
-  figure.formulas = {"E(d) = \\frac{I}{d^2} \\op{cos} θ",
+      "The range here is 10 m. Below, a lamp of 60 cd one metre above the left end of a floor of 12 m."};
+  figure.formulas = {"E(d) = \\frac{I}{d^2} \\, \\op{cos} \\, θ",
                      "w_{\\op{glTF}} = \\op{max}(\\op{min}(1 − (\\frac{d}{R})^4, 1), 0) \\frac{1}{d^2}",
-                     "w_{\\op{UE4}} = \\frac{\\op{saturate}(1 − (\\frac{d}{R})^4)^2}{d^2 + 1} , "
+                     "w_{\\op{UE4}} = \\frac{\\op{saturate}(1 − (\\frac{d}{R})^4)^2}{d^2 + 1} , \\quad "
                      "w_{\\op{polynomial}} = \\frac{1}{a_0 d^2 + a_1 d + a_2}"};
   figure.sources = {"Khronos Group, KHR_lights_punctual", "Karis 2013, Real Shading in Unreal Engine 4, eq. 9",
                     "Segal & Akeley, The OpenGL Graphics System (attenuation)"};
@@ -124,7 +124,7 @@ Figure falloff_figure(FigureContext& context) {
     const bool is_truth = truth.empty();
     if (is_truth) truth = film.beauty;
     figure.panels.push_back({fmt::format("falloff-{}.png", f.name),
-                             develop(film, {.exposure = 1.0f}),
+                             develop(film, {.exposure = 1.0f, .tone_curve = ToneCurve::reinhard}),
                              f.label,
                              is_truth ? "a small lamp" : "error " + percent_text(relative_error(film.beauty, truth)),
                              {"1 m", "3 m", "5 m", "7 m", "9 m", "11 m"}});
@@ -138,11 +138,12 @@ Figure color_temperature(FigureContext& context) {
       "What glows has the spectrum of its temperature, and the eye reduces any spectrum to three numbers: how much it "
       "excites three broad bands. Candles are near 1900 K, bulbs near 2700 K, noon near 5500 K, a blue sky beyond 10 "
       "000 K. "
-      "The strip has equal luminance throughout; where its colour lies outside of what a display can show, the missing "
-      "blue is held at 0."};
-  figure.formulas = {
-      "L_λ(T) = \\frac{2 h c^2}{λ^5} \\frac{1}{\\op{exp}(\\frac{h c}{λ k T}) − 1}",
-      "X = ∫ L_λ \\op{x̄}(λ) \\text{ d}λ , Y = ∫ L_λ \\op{ȳ}(λ) \\text{ d}λ , Z = ∫ L_λ \\op{z̄}(λ) \\text{ d}λ"};
+      "In the strip each is as bright as a display can be; below 1900 K the colour lies outside of what it can show, "
+      "and "
+      "the missing blue is held at 0."};
+  figure.formulas = {"L_λ(T) = \\frac{2 h c^2}{λ^5} \\frac{1}{\\op{exp}(\\frac{h c}{λ k T}) − 1}",
+                     "X = ∫ L_λ \\op{x̄}(λ) \\text{ d}λ , \\quad Y = ∫ L_λ \\op{ȳ}(λ) \\text{ d}λ , \\quad Z = ∫ L_λ "
+                     "\\op{z̄}(λ) \\text{ d}λ"};
   figure.sources = {"Planck 1901, Ueber das Gesetz der Energieverteilung im Normalspectrum",
                     "CIE 15:2004, Colorimetry, table T.4", "ITU-R BT.709-6"};
   figure.functions = {"planck", "cie_xyz", "blackbody_color"};
@@ -171,17 +172,17 @@ Figure color_temperature(FigureContext& context) {
   strip.beauty = Image(context.pixels(900), context.pixels(90), 3);
   for (int x = 0; x < strip.beauty.width; ++x) {
     const double t = (x + 0.5) / strip.beauty.width;
-    const vec3 color = 0.35f * blackbody_color(kLeast + t * (kMost - kLeast));
-    for (int y = 0; y < strip.beauty.height; ++y) strip.beauty.set_rgb(x, y, color);
+    const vec3 color = blackbody_color(kLeast + t * (kMost - kLeast));
+    for (int y = 0; y < strip.beauty.height; ++y) strip.beauty.set_rgb(x, y, color / max_component(color));
   }
-  figure.panels = {
-      {"color-temperature-observer.svg", plot_svg(observer), "What the three bands see"},
-      {"color-temperature-bodies.svg", plot_svg(bodies), "Spectra of black bodies"},
-      {"color-temperature.png",
-       develop(strip, {.exposure = 1.0f, .tone_curve = ToneCurve::linear}),
-       "Black bodies from 1000 to 12 000 K",
-       {},
-       {"1550 K", "2650 K", "3750 K", "4850 K", "5950 K", "7050 K", "8150 K", "9250 K", "10 350 K", "11 450 K"}}};
+  figure.panels = {{"color-temperature-observer.svg", plot_svg(observer), "What the three bands see"},
+                   {"color-temperature-bodies.svg", plot_svg(bodies), "Spectra of black bodies"},
+                   {"color-temperature.png",
+                    develop(strip, {.exposure = 1.0f, .tone_curve = ToneCurve::linear}),
+                    "Black bodies from 1000 to 12 000 K",
+                    {},
+                    {"2100 K", "4300 K", "6500 K", "8700 K", "10 900 K"},
+                    true}};
   return figure;
 }
 

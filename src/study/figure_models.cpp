@@ -109,19 +109,14 @@ void add_pair(FigureContext& context, Figure& figure, const std::string& name, c
   const int count = static_cast<int>(first.size());
   const int side = context.pixels(130);
   path::Settings settings;
-  settings.width = side * count;
-  settings.height = side;
+  settings.width = settings.height = side;
   settings.samples = context.settings().samples;
   settings.background = path::Background::transparent;
-  const Environment& studio = context.environment("studio");
-  const Film a = context.trace(sphere_row(first), studio, sphere_view(count), settings);
-  const Film b = context.trace(sphere_row(second), studio, sphere_view(count), settings);
-  std::vector<std::string> errors;
-  for (int i = 0; i < count; ++i) {
-    errors.push_back(percent_text(relative_error(b.beauty, a.beauty, i * side, (i + 1) * side)));
-  }
+  const Film a = trace_balls(context, first, settings);
+  const Film b = trace_balls(context, second, settings);
   figure.panels.push_back({name + "-a.png", develop(a, {.exposure = 1.0f}), captions[0], {}, scale});
-  figure.panels.push_back({name + "-b.png", develop(b, {.exposure = 1.0f}), captions[1], {}, errors});
+  figure.panels.push_back(
+      {name + "-b.png", develop(b, {.exposure = 1.0f}), captions[1], {}, errors_of_each(b, a, count)});
 }
 
 Figure workflows(FigureContext& context) {
@@ -134,9 +129,10 @@ Figure workflows(FigureContext& context) {
       "of the mixture.",
       "The other way not everything can be said: a coloured reflection over a diffuse layer of another hue has no base "
       "colour. The nearest is taken, and the residual is what is lost of either colour at most."};
-  figure.formulas = {"F_0 = \\op{mix}(0.04, \\op{base}, m) = \\op{specular}",
-                     "c_{\\op{diffuse}} = \\op{base} (1 − m) (1 − 0.04) = \\op{diffuse} (1 − \\op{max} \\op{specular})",
-                     "0.04 m^2 + (d + F_0 − 0.08) m + 0.04 − F_0 = 0"};
+  figure.formulas = {
+      "F_0 = \\op{mix}(0.04, \\op{base}, m) = \\op{specular}",
+      "c_{\\op{diffuse}} = \\op{base} (1 − m) (1 − 0.04) = \\op{diffuse} (1 − \\op{max} \\, \\op{specular})",
+      "0.04 m^2 + (d + F_0 − 0.08) m + 0.04 − F_0 = 0"};
   figure.sources = {"Khronos Group 2017, KHR_materials_pbrSpecularGlossiness, with its conversion",
                     "Khronos Group 2021, glTF 2.0 Specification, Appendix B"};
   figure.functions = {"shade::specular_glossiness_from_metallic", "shade::metallic_from_specular_glossiness",

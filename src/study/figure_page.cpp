@@ -31,12 +31,14 @@ nav ol ul { list-style: none; margin: .2rem 0 0; padding: 0; font-size: .94rem; 
 nav b a { color: inherit; }
 figure.entry { margin: 2.6rem 0 0; }
 .formulas { background: var(--card); border-radius: 6px; padding: .55rem 1rem; margin: .2rem 0 1rem; overflow-x: auto; }
-.formulas math { font-size: 1.12rem; margin: .5rem 0; }
-.panels { display: grid; gap: 1.2rem 1.6rem; grid-template-columns: 1fr; margin: .6rem 0 .8rem; align-items: end; }
+.formulas math { font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", math, serif; font-size: 1.15rem; margin: .5rem 0; }
+.panels { display: grid; gap: 1.2rem 1.6rem; grid-template-columns: 1fr; margin: .6rem 0 .8rem; align-items: start; }
 @media (min-width: 46rem) { .two, .three { grid-template-columns: 1fr 1fr; } }
 @media (min-width: 66rem) { .three { grid-template-columns: 1fr 1fr 1fr; } }
 .panel { min-width: 0; }
+.panel.wide { grid-column: 1 / -1; }
 .panel img { display: block; width: 100%; height: auto; }
+.panel img.plot { max-width: 42rem; }
 .panel img.photo { border-radius: 3px; }
 .panel p { margin: .35rem 0 0; font-size: .92rem; line-height: 1.4; color: var(--soft); }
 .panel p b { color: var(--ink); font-variant-numeric: tabular-nums; }
@@ -73,7 +75,7 @@ const char* const kFoot = "</body>\n</html>\n";
 
 /// Width and height, so that the page does not jump while it loads.
 std::string image_element(const Panel& panel) {
-  std::string size;
+  std::string size = " class=\"plot\"";
   if (const auto* image = std::get_if<DisplayImage>(&panel.content)) {
     size = fmt::format(" class=\"photo\" width=\"{}\" height=\"{}\"", image->width, image->height);
   }
@@ -82,7 +84,8 @@ std::string image_element(const Panel& panel) {
 }
 
 std::string panel_html(const Panel& panel) {
-  std::string html = "<div class=\"panel\">\n" + image_element(panel) + "\n";
+  std::string html =
+      fmt::format("<div class=\"panel{}\">\n", panel.is_wide ? " wide" : "") + image_element(panel) + "\n";
   if (!panel.scale.empty()) {
     html += "<div class=\"scale\">";
     for (const std::string& label : panel.scale) html += "<span>" + escaped(label) + "</span>";
@@ -108,11 +111,12 @@ std::string table_html(const Table& table) {
   return html + "</table></div>\n";
 }
 
-std::string list_html(const char* what, const std::vector<std::string>& items, bool is_code) {
+std::string list_html(const char* what, const std::vector<std::string>& items, bool is_code,
+                      const char* separator = "<br>\n") {
   if (items.empty()) return {};
   std::string html = fmt::format("<dt>{}</dt><dd>", what);
   for (std::size_t i = 0; i < items.size(); ++i) {
-    if (i > 0) html += is_code ? "<br>" : "<br>\n";
+    if (i > 0) html += separator;
     html += is_code ? "<code>" + escaped(items[i]) + "</code>" : escaped(items[i]);
   }
   return html + "</dd>\n";
@@ -137,7 +141,7 @@ std::string content_html(const PageFigure& page) {
   }
   std::vector<std::string> commands = figure.commands;
   commands.push_back(fmt::format("candela figures -o DIR --only {}", page.info.name));
-  return html + "<dl>\n" + list_html("After", figure.sources, false) + list_html("Code", figure.functions, true) +
+  return html + "<dl>\n" + list_html("After", figure.sources, false) + list_html("Code", figure.functions, true, " ") +
          list_html("Command", commands, true) + "</dl>\n";
 }
 

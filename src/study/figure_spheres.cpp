@@ -47,27 +47,21 @@ void add_rows(FigureContext& context, Figure& figure, const std::string& name, c
               const std::vector<std::string>& scale) {
   const int count = static_cast<int>(materials.size());
   const int side = context.pixels(100);
-  const Scene scene = sphere_row(materials);
-  const View view = sphere_view(count);
-  const Environment& studio = context.environment("studio");
-  const path::Settings settings = path_settings(context, side * count, side);
-  const Film truth = context.trace(scene, studio, view, settings);
+  const path::Settings settings = path_settings(context, side, side);
+  const Film truth = trace_balls(context, materials, settings);
   const DevelopSettings shown{.exposure = 1.0f};
   figure.panels.push_back({name + ".png",
                            develop(truth, shown),
                            fmt::format("path traced, {} samples per pixel", settings.samples),
                            {},
                            scale});
-  if (const std::optional<Film> drawn = context.draw(scene, studio, view, raster_settings(side * count, side))) {
-    std::vector<std::string> errors;
-    for (int i = 0; i < count; ++i) {
-      errors.push_back(percent_text(relative_error(drawn->beauty, truth.beauty, i * side, (i + 1) * side)));
-    }
+  if (const std::optional<Film> drawn = context.draw(sphere_row(materials), context.environment("studio"),
+                                                     sphere_view(count), raster_settings(side * count, side))) {
     figure.panels.push_back({name + "-raster.png",
                              develop(*drawn, shown),
                              "in real time: prefiltered light, split sum; below each ball its relative RMS error",
                              {},
-                             errors});
+                             errors_of_each(*drawn, truth, count)});
   } else {
     figure.left_out.emplace_back("the row in real time, which needs OpenGL");
   }
@@ -173,13 +167,13 @@ const std::array kParameters{
               [](const Material& m) { return two_digits(m.metallic); }},
     Parameter{"row-roughness", "Roughness of a dielectric", "pbrMetallicRoughness.roughnessFactor", "0 to 1, default 1",
               "How much the facets of the surface turn from its normal. 0 is a mirror.",
-              "D(h) = \\frac{α^2}{π ((n·h)^2 (α^2 − 1) + 1)^2} , α = r^2", kGltf,
+              "D(h) = \\frac{α^2}{π ((n·h)^2 (α^2 − 1) + 1)^2} , \\quad α = r^2", kGltf,
               [](const Material& m) { return two_digits(m.roughness); }},
     Parameter{"row-roughness-metal", "Roughness of a metal", "pbrMetallicRoughness.roughnessFactor",
               "0 to 1, default 1",
               "The same on gold. What bounces between facets is not lost: rough metals keep their brightness and gain "
               "colour.",
-              "D(h) = \\frac{α^2}{π ((n·h)^2 (α^2 − 1) + 1)^2} , α = r^2",
+              "D(h) = \\frac{α^2}{π ((n·h)^2 (α^2 − 1) + 1)^2} , \\quad α = r^2",
               "Kulla & Conty 2017, Revisiting Physically Based Shading at Imageworks",
               [](const Material& m) { return two_digits(m.roughness); }},
     Parameter{
@@ -212,7 +206,7 @@ const std::array kParameters{
               [](const Material& m) { return two_digits(m.sheen_roughness); }},
     Parameter{"row-anisotropy", "Anisotropy", "KHR_materials_anisotropy.anisotropyStrength", "0 to 1, default 0",
               "Brushed metal: facets turn further across the scratches than along them.",
-              "α_t = \\op{mix}(α, 1, a^2) , α_b = α", "Burley 2012, Physically-Based Shading at Disney",
+              "α_t = \\op{mix}(α, 1, a^2) , \\quad α_b = α", "Burley 2012, Physically-Based Shading at Disney",
               [](const Material& m) { return two_digits(m.anisotropy); }},
     Parameter{"row-anisotropy-rotation", "Anisotropy rotation", "KHR_materials_anisotropy.anisotropyRotation",
               "radians, counter-clockwise from the tangent; default 0", "Which way the scratches run.",
@@ -223,13 +217,13 @@ const std::array kParameters{
         "row-iridescence-thickness", "Film thickness", "KHR_materials_iridescence.iridescenceThicknessMaximum",
         "nanometres, default 400",
         "A film as thin as a wavelength: what its two sides reflect meets in or out of step.",
-        "Δφ = \\frac{2 π}{λ} 2 n d \\op{cos} θ_2",
+        "Δφ = \\frac{2 π}{λ} 2 n d \\, \\op{cos} \\, θ_2",
         "Belcour & Barla 2017, A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence",
         [](const Material& m) { return fmt::format("{:.0f} nm", m.iridescence_thickness_max_nm); }},
     Parameter{
         "row-iridescence-ior", "Film index", "KHR_materials_iridescence.iridescenceIor", "1 and above, default 1.3",
         "The more the film differs from what is above and below it, the stronger its colours.",
-        "Δφ = \\frac{2 π}{λ} 2 n d \\op{cos} θ_2",
+        "Δφ = \\frac{2 π}{λ} 2 n d \\, \\op{cos} \\, θ_2",
         "Belcour & Barla 2017, A Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence",
         [](const Material& m) { return fmt::format("{:.2f}", m.iridescence_ior); }},
     Parameter{"row-transmission", "Transmission", "KHR_materials_transmission.transmissionFactor", "0 to 1, default 0",
@@ -239,7 +233,7 @@ const std::array kParameters{
               [](const Material& m) { return two_digits(m.transmission); }},
     Parameter{"row-transmission-ior", "Index of a body of glass", "KHR_materials_ior.ior", "1 and above, default 1.5",
               "The same index that decides what is reflected decides how far light is bent.",
-              "n_1 \\op{sin} θ_1 = n_2 \\op{sin} θ_2", "Born & Wolf 1999, Principles of Optics, §1.5",
+              "n_1 \\, \\op{sin} \\, θ_1 = n_2 \\, \\op{sin} \\, θ_2", "Born & Wolf 1999, Principles of Optics, §1.5",
               [](const Material& m) { return fmt::format("{:.3g}", m.ior); }},
     Parameter{"row-transmission-roughness", "Roughness of glass", "pbrMetallicRoughness.roughnessFactor",
               "0 to 1, default 1",
@@ -276,7 +270,7 @@ const std::array kParameters{
               [](const Material& m) { return fmt::format("{:.2g} mm", 1000.0f * m.attenuation_distance); }},
     Parameter{"row-scatter-anisotropy", "Scattering anisotropy", "KHR_materials_volume_scatter.scatterAnisotropy",
               "−1 to 1, default 0", "Whether matter scatters light back, evenly, or onwards.",
-              "p(θ) = \\frac{1}{4 π} \\frac{1 − g^2}{(1 + g^2 − 2 g \\op{cos} θ)^{3/2}}",
+              "p(θ) = \\frac{1}{4 π} \\frac{1 − g^2}{(1 + g^2 − 2 g \\, \\op{cos} \\, θ)^{3/2}}",
               "Henyey & Greenstein 1941, Diffuse radiation in the Galaxy",
               [](const Material& m) { return two_digits(m.scatter_anisotropy); }},
     Parameter{"row-emission", "Emission", "emissiveFactor, KHR_materials_emissive_strength.emissiveStrength",
@@ -314,7 +308,7 @@ Figure parameter_row(FigureContext& context, const Parameter& parameter) {
   path::Settings settings;
   settings.width = context.pixels(840);
   settings.height = context.pixels(140);
-  settings.samples = context.settings().samples;
+  settings.samples = std::max(1, context.settings().samples / 2);
   settings.bounces = 32;
   const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
   const View view = scene_camera(scene, "0", aspect);

@@ -49,7 +49,7 @@ class FormulaReader {
 
   std::string whole() {
     const std::string content = row();
-    if (at_ < formula_.size()) fail("a } without its {");
+    if (at_ < formula_.size()) fail(formula_[at_] == ')' ? "a ) without its (" : "a } without its {");
     return content;
   }
 
@@ -69,7 +69,8 @@ class FormulaReader {
 
   std::string row() {
     std::string content;
-    for (skip_blanks(); at_ < formula_.size() && formula_[at_] != '}'; skip_blanks()) content += with_scripts();
+    for (skip_blanks(); at_ < formula_.size() && formula_[at_] != '}' && formula_[at_] != ')'; skip_blanks())
+      content += with_scripts();
     return content;
   }
 
@@ -83,6 +84,7 @@ class FormulaReader {
       script = atom();
     }
     if (below.empty() && above.empty()) return base;
+    if (base == "<mo>∑</mo>" && above.empty()) return element("munder", base + below);
     if (above.empty()) return element("msub", base + below);
     if (below.empty()) return element("msup", base + above);
     return element("msubsup", base + below + above);
@@ -92,7 +94,9 @@ class FormulaReader {
     skip_blanks();
     if (at_ == formula_.size()) fail("something is missing at its end");
     const char c = formula_[at_];
-    if (c == '{') return element("mrow", group());
+    if (c == '{') return element("mrow", group('}'));
+    // Scripts belong to the whole of what stands between parentheses.
+    if (c == '(') return element("mrow", "<mo>(</mo>" + group(')') + "<mo>)</mo>");
     if (c == '\\') return command();
     if (std::isdigit(static_cast<unsigned char>(c)) != 0) return number();
     const std::string_view text = character();
@@ -116,10 +120,10 @@ class FormulaReader {
     return element("mn", std::string(formula_.substr(begin, at_ - begin)));
   }
 
-  std::string group() {
+  std::string group(char end) {
     ++at_;
     std::string content = row();
-    if (at_ == formula_.size()) fail("a { without its }");
+    if (at_ == formula_.size() || formula_[at_] != end) fail(std::string("a group without its ") + end);
     ++at_;
     return content;
   }
@@ -138,13 +142,22 @@ class FormulaReader {
     const std::size_t begin = at_;
     while (at_ < formula_.size() && std::isalpha(static_cast<unsigned char>(formula_[at_])) != 0) ++at_;
     const std::string_view name = formula_.substr(begin, at_ - begin);
+    if (name.empty() && at_ < formula_.size() && formula_[at_] == ',') {
+      ++at_;
+      return "<mspace width=\"0.17em\"/>";
+    }
+    if (name == "quad") return "<mspace width=\"1.2em\"/>";
     if (name == "frac") {
       const std::string above = atom();
       return element("mfrac", above + atom());
     }
     if (name == "sqrt") return element("msqrt", atom());
     if (name == "op") return element("mi", raw_group());
-    if (name == "text") return element("mtext", raw_group());
+    if (name == "text") {
+      std::string text = raw_group();
+      for (std::size_t i = text.find(' '); i != std::string::npos; i = text.find(' ', i)) text.replace(i, 1, "\u00a0");
+      return element("mtext", text);
+    }
     fail("no command \\" + std::string(name));
   }
 

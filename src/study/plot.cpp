@@ -142,8 +142,10 @@ class Svg {
         ".curve{fill:none;stroke:currentColor;stroke-width:2.2;stroke-linejoin:round}"
         ".mark{fill:currentColor}.lead{fill:none;stroke:currentColor;stroke-width:1;opacity:.55}"
         ".lobe{stroke:currentColor;stroke-width:2;fill:currentColor;fill-opacity:.06;stroke-linejoin:round}"
-        "text.name{fill:currentColor}";
-    std::string dark = "text{fill:#ddd}.tick{fill:#aaa}.grid{stroke:#3a3a3d}.minor{stroke:#2a2a2d}.axis{stroke:#aaa}";
+        "text.name{fill:currentColor;paint-order:stroke;stroke:#fff;stroke-width:4;stroke-linejoin:round}";
+    std::string dark =
+        "text{fill:#ddd}.tick{fill:#aaa}.grid{stroke:#3a3a3d}.minor{stroke:#2a2a2d}.axis{stroke:#aaa}text.name{stroke:#"
+        "161618}";
     for (std::size_t i = 0; i < inks_.size(); ++i) {
       style += fmt::format(".k{}{{color:{}}}", i, inks_[i].light);
       dark += fmt::format(".k{}{{color:{}}}", i, inks_[i].dark);
@@ -276,6 +278,21 @@ std::optional<dvec2> draw_curve(Svg& svg, const Curve& curve, const Mapping& x, 
   return end;
 }
 
+/// Beside where a curve leaves the frame at the top or at the bottom, one above the other where they are near.
+void draw_inner_labels(Svg& svg, const std::vector<EndLabel>& labels, const Frame& f) {
+  std::vector<dvec2> taken;
+  for (const EndLabel& label : labels) {
+    const bool is_top = label.end.y < 0.5 * (f.top + f.bottom);
+    dvec2 at(label.end.x + 7, is_top ? f.top + kTextHeight : f.bottom - 8);
+    const auto is_near = [&](dvec2 other) {
+      return std::abs(other.y - at.y) < kTextHeight && std::abs(other.x - at.x) < 110;
+    };
+    while (std::any_of(taken.begin(), taken.end(), is_near)) at.y += is_top ? kTextHeight + 3 : -kTextHeight - 3;
+    taken.push_back(at);
+    svg.text("name " + svg.ink_class(label.curve->ink), at, "start", label.curve->label);
+  }
+}
+
 }  // namespace
 
 std::string plot_svg(const Plot& plot) {
@@ -290,11 +307,13 @@ std::string plot_svg(const Plot& plot) {
                   "</clipPath>\n",
                   f.left, f.top - 1.5, f.right - f.left, f.bottom - f.top + 3));
   draw_axes(svg, plot, x, y, f);
-  std::vector<EndLabel> labels;
+  std::vector<EndLabel> labels, inner;
   for (const Curve& curve : plot.curves) {
     const std::optional<dvec2> end = draw_curve(svg, curve, x, y, f);
-    if (end && !curve.label.empty()) labels.push_back({&curve, *end, 0.0});
+    if (!end || curve.label.empty()) continue;
+    (end->x > f.right - 8 ? labels : inner).push_back({&curve, *end, 0.0});
   }
+  draw_inner_labels(svg, inner, f);
   spread(labels, f.top + 4, f.bottom - 4);
   for (const EndLabel& label : labels) {
     const std::string ink = svg.ink_class(label.curve->ink);
