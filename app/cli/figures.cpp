@@ -100,9 +100,9 @@ void run_figures(const FigureOptions& o) {
   };
   const study::BookResult result = study::write_figures(folder, o.chosen, settings, note, diagnostics, tell);
   tell_warnings();
-  progress.line(fmt::format("{}: {}{} figures, {} files in {}", (folder / "index.html").string(),
-                            result.stopped ? "interrupted; " : "", result.figures, result.files,
-                            duration_text(seconds())));
+  progress.line(fmt::format("{}: {}{} figure{}, {} files in {}", (folder / "index.html").string(),
+                            result.stopped ? "interrupted; " : "", result.figures, result.figures == 1 ? "" : "s",
+                            result.files, duration_text(seconds())));
 }
 
 }  // namespace

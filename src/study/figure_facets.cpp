@@ -71,10 +71,12 @@ Figure ndf(FigureContext&) {
 Figure ndf_models(FigureContext&) {
   Figure figure;
   figure.text = {
-      "Near the normal the three agree: the exponent of Blinn–Phong is chosen to make them. GGX has the longer tail, "
-      "which "
-      "is the glow around a highlight of metal or lacquer; Beckmann's facets have normally distributed slopes and end "
-      "sooner, and the cosine power of Blinn–Phong ends soonest."};
+      "Near the normal the three agree: the exponent of Blinn–Phong is chosen to make them. GGX has the longest tail, "
+      "which is the glow around a highlight of metal or lacquer. Beckmann’s facets have normally distributed slopes "
+      "and "
+      "end sooner; the cosine power of Blinn–Phong cannot be told from them while the surface is smooth, and ends "
+      "later "
+      "where it is rough."};
   figure.formulas = {"D_{\\op{Beckmann}}(h) = \\frac{1}{π α^2 (n·h)^4} \\op{exp} ( \\frac{(n·h)^2 − 1}{α^2 (n·h)^2} )",
                      "D_{\\op{Blinn–Phong}}(h) = \\frac{m + 2}{2π} (n·h)^m , \\quad m = \\frac{2}{α^2} − 2"};
   figure.sources = {std::string(kWalter) + ", eq. 25, 30 and 33",

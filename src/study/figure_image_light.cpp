@@ -265,7 +265,7 @@ Figure split_sum_table(FigureContext&) {
     }
   }
   figure.panels = {{"split-sum-table.png", picture, "A red, B green; n·v to the right, roughness downwards"},
-                   {"split-sum-curves.svg", plot_svg(plot), "The same as curves"}};
+                   {"split-sum-table-curves.svg", plot_svg(plot), "The same as curves"}};
   return figure;
 }
 
@@ -327,7 +327,7 @@ Figure irradiance_convergence(FigureContext& context) {
       .y = {.label = "relative error, root mean square", .low = 1e-3, .high = 1, .scale = Scale::logarithmic},
       .curves = {{.label = "", .points = by_order, .ink = categorical_ink(1), .has_markers = true}}};
   figure.panels = {{"irradiance-convergence.svg", plot_svg(plot), "Sums over directions"},
-                   {"irradiance-harmonics.svg", plot_svg(harmonics),
+                   {"irradiance-convergence-harmonics.svg", plot_svg(harmonics),
                     "Spherical harmonics; odd degrees beyond 1 add nothing to a cosine"}};
   return figure;
 }

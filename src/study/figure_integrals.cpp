@@ -109,9 +109,8 @@ Figure riemann_monte_carlo(FigureContext& context) {
       "The plot is the relative error of the radiance of a metal of roughness 0.4 in the studio, root mean square over "
       "normals and seeds. Random points halve their error with four times the work, slope −½, whatever the dimension. "
       "Drawing directions as the surface reflects them lowers the whole curve; Sobol’ points, which fill the square "
-      "evenly, make it steeper. The grid is hopeless while its cells are wider than the lobe and good once they are "
-      "finer, in two dimensions: with each bounce it needs the square of its points again, and the random sum does "
-      "not."};
+      "evenly, make it steeper. The grid beats them once its cells are finer than the lobe and the softboxes, in two "
+      "dimensions: with each bounce it would need the square of its points again, and the random sum does not."};
   figure.formulas = {
       "L_o(v) = ∫_Ω f(l, v) L_i(l) (n·l) \\text{ d}l",
       "L_o ≈ \\frac{2 π}{N_1} \\frac{π}{2 N_2} ∑_i ∑_j f L_i \\, \\op{cos} \\, θ_j \\, \\op{sin} \\, θ_j",

@@ -114,7 +114,8 @@ Figure f0_row(FigureContext& context) {
   figure.text = {
       "The reflectance of the boundary at normal incidence, over black. Dielectrics live at the far left: water "
       "0.02, plastic and glass 0.04, gems up to 0.17. Metals begin at about 0.5. Between is next to nothing in "
-      "nature but germanium and silicon."};
+      "nature but germanium and silicon. Even F₀ = 0 keeps a rim, for at the "
+      "horizon everything reflects."};
   figure.formulas = {"F(v·h) = F_0 + (1 − F_0) (1 − v·h)^5", "F_0 = ( \\frac{n_1 − n_2}{n_1 + n_2} )^2"};
   figure.sources = {"Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering", kGltf};
   figure.functions = {"path::render with Material::specular_color"};

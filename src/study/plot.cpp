@@ -280,16 +280,23 @@ std::optional<dvec2> draw_curve(Svg& svg, const Curve& curve, const Mapping& x, 
 
 /// Beside where a curve leaves the frame at the top or at the bottom, one above the other where they are near.
 void draw_inner_labels(Svg& svg, const std::vector<EndLabel>& labels, const Frame& f) {
-  std::vector<dvec2> taken;
+  constexpr double kAside = 7.0;
+  struct Span {
+    double from, to, y;
+  };
+  std::vector<Span> taken;
   for (const EndLabel& label : labels) {
     const bool is_top = label.end.y < 0.5 * (f.top + f.bottom);
-    dvec2 at(label.end.x + 7, is_top ? f.top + kTextHeight : f.bottom - 8);
-    const auto is_near = [&](dvec2 other) {
-      return std::abs(other.y - at.y) < kTextHeight && std::abs(other.x - at.x) < 110;
+    const double width = text_width(label.curve->label);
+    const bool is_right = label.end.x + kAside + width < f.right;
+    const double x = label.end.x + (is_right ? kAside : -kAside);
+    Span span{is_right ? x : x - width, is_right ? x + width : x, is_top ? f.top + kTextHeight : f.bottom - 8};
+    const auto overlaps = [&span](const Span& other) {
+      return std::abs(other.y - span.y) < kTextHeight && other.from < span.to && span.from < other.to;
     };
-    while (std::any_of(taken.begin(), taken.end(), is_near)) at.y += is_top ? kTextHeight + 3 : -kTextHeight - 3;
-    taken.push_back(at);
-    svg.text("name " + svg.ink_class(label.curve->ink), at, "start", label.curve->label);
+    while (std::any_of(taken.begin(), taken.end(), overlaps)) span.y += is_top ? kTextHeight + 3 : -kTextHeight - 3;
+    taken.push_back(span);
+    svg.text("name " + svg.ink_class(label.curve->ink), {x, span.y}, is_right ? "start" : "end", label.curve->label);
   }
 }
 
