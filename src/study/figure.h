@@ -42,7 +42,7 @@ struct Table {
 
 struct Figure {
   std::vector<std::string> text;       ///< paragraphs
-  std::vector<std::string> formulas;   ///< as mathml() reads them
+  std::vector<std::string> formulas;   ///< as mathml() reads them; those of one line between semicolons
   std::vector<std::string> sources;    ///< author, year, title
   std::vector<std::string> functions;  ///< of this code that computed it
   std::vector<std::string> commands;   ///< that make parts of it, or the like

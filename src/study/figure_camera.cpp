@@ -184,11 +184,61 @@ Figure tone_mapping(FigureContext& context) {
   return figure;
 }
 
+Figure exposure(FigureContext& context) {
+  Figure figure;
+  figure.text = {
+      "The same light, let in for longer and longer: each picture has four times the exposure of the one before. "
+      "Metered "
+      "is what a camera would choose, which brings the logarithmic mean of the picture to middle grey. A camera’s "
+      "three "
+      "numbers, aperture, shutter and sensitivity, are one: EV 100."};
+  figure.formulas = {"T(c) = 1 − \\op{exp}(−c · \\op{exposure})",
+                     "\\op{EV}_{100} = \\op{log}_2 ( \\frac{N^2}{t} \\frac{100}{S} ) ; "
+                     "\\op{exposure} = \\frac{1}{1.2 · 2^{\\op{EV}_{100}}}"};
+  figure.sources = {
+      "Lagarde & de Rousiers 2014, Moving Frostbite to Physically Based Rendering, §5.1",
+      "Reinhard, Stark, Shirley & Ferwerda 2002, Photographic Tone Reproduction for Digital Images, eq. 1"};
+  figure.functions = {"develop", "metered_exposure", "shade::tone_exponential"};
+  figure.columns = 2;
+  const Scene scene = io::make_demo("materials");
+  path::Settings settings;
+  settings.width = context.pixels(400);
+  settings.height = context.pixels(225);
+  settings.samples = context.settings().samples;
+  const Film film = context.trace(scene, context.environment(*scene.preferred_environment),
+                                  scene_camera(scene, "0", 16.0f / 9.0f), settings);
+  const std::string command = fmt::format("candela render demo:materials --size {}x{} --spp {} --tonemap exponential",
+                                          settings.width, settings.height, settings.samples);
+  const auto add = [&](const std::string& file, const std::string& option, std::optional<float> factor,
+                       const std::string& caption) {
+    const std::string name = "exposure-" + file + ".png";
+    const DisplayImage shown = develop(film, {.exposure = factor, .tone_curve = ToneCurve::exponential});
+    figure.panels.push_back(
+        {name, shown, caption, fmt::format("{} of the pixels at white", percent_text(white_share(shown)))});
+    figure.commands.push_back(fmt::format("{} --exposure {} -o {}", command, option, name));
+  };
+  for (const int stops : {-2, 0, 2}) {
+    add(stops < 0   ? "less"
+        : stops > 0 ? "more"
+                    : "even",
+        fmt::format("{}", stops), std::exp2(static_cast<float>(stops)),
+        fmt::format("{}{} stops",
+                    stops < 0   ? "−"
+                    : stops > 0 ? "+"
+                                : "",
+                    std::abs(stops)));
+  }
+  const float metered = metered_exposure(film);
+  add("metered", "auto", std::nullopt, fmt::format("metered: {:+.1f} stops", std::log2(metered)));
+  return figure;
+}
+
 }  // namespace
 
 void add_camera_figures(std::vector<FigureInfo>& list) {
   list.push_back({"gamma", "Gamma correction on and off", Chapter::camera, gamma});
   list.push_back({"tone-mapping", "Tone mapping on and off", Chapter::camera, tone_mapping});
+  list.push_back({"exposure", "Exposure", Chapter::camera, exposure});
 }
 
 }  // namespace candela::study

@@ -78,7 +78,7 @@ Figure ndf_models(FigureContext&) {
       "later "
       "where it is rough."};
   figure.formulas = {"D_{\\op{Beckmann}}(h) = \\frac{1}{π α^2 (n·h)^4} \\op{exp} ( \\frac{(n·h)^2 − 1}{α^2 (n·h)^2} )",
-                     "D_{\\op{Blinn–Phong}}(h) = \\frac{m + 2}{2π} (n·h)^m , \\quad m = \\frac{2}{α^2} − 2"};
+                     "D_{\\op{Blinn–Phong}}(h) = \\frac{m + 2}{2π} (n·h)^m ; m = \\frac{2}{α^2} − 2"};
   figure.sources = {std::string(kWalter) + ", eq. 25, 30 and 33",
                     "Beckmann & Spizzichino 1963, The Scattering of Electromagnetic Waves from Rough Surfaces",
                     "Blinn 1977, Models of Light Reflection for Computer Synthesized Pictures"};
@@ -116,9 +116,8 @@ Figure geometry(FigureContext&) {
       "Facets stand in each other's way: some are masked from the viewer, some lie in the shadow of others. G is the "
       "share "
       "of those that face h which are neither. The rougher the surface and the lower the light, the less is left."};
-  figure.formulas = {
-      "G_1(v) = \\frac{1}{1 + Λ(v)} , \\quad Λ(v) = \\frac{1}{2} ( \\sqrt{1 + α^2 \\op{tan}^2 \\, θ} − 1 )",
-      "G_1(v) = \\frac{2 (n·v)}{(n·v) + \\sqrt{α^2 + (1 − α^2) (n·v)^2}}"};
+  figure.formulas = {"G_1(v) = \\frac{1}{1 + Λ(v)} ; Λ(v) = \\frac{1}{2} ( \\sqrt{1 + α^2 \\op{tan}^2 \\, θ} − 1 )",
+                     "G_1(v) = \\frac{2 (n·v)}{(n·v) + \\sqrt{α^2 + (1 − α^2) (n·v)^2}}"};
   figure.sources = {std::string(kHeitz) + ", eq. 43 and 72", std::string(kWalter) + ", eq. 34"};
   figure.functions = {"shade::ggx_g1"};
   Plot plot{.title = "Smith's masking over roughness",
@@ -147,11 +146,11 @@ Figure geometry_models(FigureContext&) {
       "surfaces "
       "on purpose, and one for images that is close to Smith's."};
   figure.formulas = {
-      "G_{\\op{correlated}} = \\frac{1}{1 + Λ(v) + Λ(l)} , \\quad G_{\\op{separable}} = G_1(v) G_1(l)",
-      "G_{\\op{Schlick}}(x) = \\frac{x}{x (1 − k) + k} , \\quad k_{\\op{direct}} = \\frac{(r + 1)^2}{8} , \\quad "
+      "G_{\\op{correlated}} = \\frac{1}{1 + Λ(v) + Λ(l)} ; G_{\\op{separable}} = G_1(v) G_1(l)",
+      "G_{\\op{Schlick}}(x) = \\frac{x}{x (1 − k) + k} ; k_{\\op{direct}} = \\frac{(r + 1)^2}{8} ; "
       "k_{\\op{IBL}} = \\frac{r^2}{2}",
       "G_{\\op{Beckmann}}(v) = \\frac{3.535 c + 2.181 c^2}{1 + 2.276 c + 2.577 c^2} \\text{ for } c < 1.6 "
-      "\\text{, else } 1 , \\quad c = \\frac{1}{α \\op{tan} \\, θ}"};
+      "\\text{, else } 1 ; c = \\frac{1}{α \\op{tan} \\, θ}"};
   figure.sources = {std::string(kHeitz) + ", eq. 99", std::string(kKaris) + ", eq. 4",
                     "Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering",
                     std::string(kWalter) + ", eq. 23 and 27"};

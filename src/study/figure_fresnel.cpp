@@ -43,8 +43,8 @@ Figure dielectrics(FigureContext&) {
       "denser side is reflected wholly beyond the critical angle."};
   figure.formulas = {"F_0 = ( \\frac{n_1 − n_2}{n_1 + n_2} )^2", "F_{\\op{Schlick}} = F_0 + (1 − F_0) (1 − v·h)^5",
                      "F_{\\op{Gauss}} = F_0 + (1 − F_0) 2^{(−5.55473 v·h − 6.98316) v·h}",
-                     "n_1 \\, \\op{sin} \\, θ_1 = n_2 \\, \\op{sin} \\, θ_2 , \\quad \\op{tan} \\, θ_{\\op{Brewster}} "
-                     "= \\frac{n_2}{n_1} , \\quad "
+                     "n_1 \\, \\op{sin} \\, θ_1 = n_2 \\, \\op{sin} \\, θ_2 ; \\op{tan} \\, θ_{\\op{Brewster}} "
+                     "= \\frac{n_2}{n_1} ; "
                      "\\op{sin} \\, θ_{\\op{critical}} = \\frac{n_2}{n_1}"};
   figure.sources = {"Born & Wolf 1999, Principles of Optics, §1.5.2",
                     "Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering, eq. 15",
@@ -131,8 +131,8 @@ Figure metals_figure(FigureContext&) {
       "82°."};
   figure.formulas = {
       "F_s = \\frac{a^2 + b^2 − 2 a \\, \\op{cos} \\, θ + \\op{cos}^2 \\, θ}{a^2 + b^2 + 2 a \\, \\op{cos} \\, θ + "
-      "\\op{cos}^2 \\, θ} ,"
-      " \\quad (a + i b)^2 = (n + i k)^2 − \\op{sin}^2 \\, θ",
+      "\\op{cos}^2 \\, θ} ; "
+      "(a + i b)^2 = (n + i k)^2 − \\op{sin}^2 \\, θ",
       "F_0 = \\frac{(n − 1)^2 + k^2}{(n + 1)^2 + k^2}"};
   figure.sources = {"Born & Wolf 1999, Principles of Optics, §14.2",
                     "Johnson & Christy 1974, Optical constants of transition metals",

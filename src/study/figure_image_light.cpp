@@ -280,7 +280,7 @@ Figure irradiance_convergence(FigureContext& context) {
   figure.formulas = {
       "E(n) = ∫_Ω L_i (n·l) \\text{ d}l ≈ \\frac{2 π}{N_1} \\frac{π}{2 N_2} ∑_i ∑_j L_i \\, \\op{cos} \\, θ_j \\, "
       "\\op{sin} \\, θ_j",
-      "E(n) = ∑_{l m} A_l L_{l m} Y_{l m}(n) , \\quad A_0 = π , \\quad A_1 = \\frac{2 π}{3} , \\quad A_2 = "
+      "E(n) = ∑_{l m} A_l L_{l m} Y_{l m}(n) ; A_0 = π ; A_1 = \\frac{2 π}{3} ; A_2 = "
       "\\frac{π}{4}"};
   figure.sources = {"Ramamoorthi & Hanrahan 2001, An Efficient Representation for Irradiance Environment Maps",
                     "de Vries, LearnOpenGL, Diffuse irradiance"};

@@ -73,7 +73,7 @@ Figure falloff_figure(FigureContext& context) {
       "The range here is 10 m. Below, a lamp of 60 cd one metre above the left end of a floor of 12 m."};
   figure.formulas = {"E(d) = \\frac{I}{d^2} \\, \\op{cos} \\, θ",
                      "w_{\\op{glTF}} = \\op{max}(\\op{min}(1 − (\\frac{d}{R})^4, 1), 0) \\frac{1}{d^2}",
-                     "w_{\\op{UE4}} = \\frac{\\op{saturate}(1 − (\\frac{d}{R})^4)^2}{d^2 + 1} , \\quad "
+                     "w_{\\op{UE4}} = \\frac{\\op{saturate}(1 − (\\frac{d}{R})^4)^2}{d^2 + 1} ; "
                      "w_{\\op{polynomial}} = \\frac{1}{a_0 d^2 + a_1 d + a_2}"};
   figure.sources = {"Khronos Group, KHR_lights_punctual", "Karis 2013, Real Shading in Unreal Engine 4, eq. 9",
                     "Segal & Akeley, The OpenGL Graphics System (attenuation)"};
@@ -142,7 +142,7 @@ Figure color_temperature(FigureContext& context) {
       "and "
       "the missing blue is held at 0."};
   figure.formulas = {"L_λ(T) = \\frac{2 h c^2}{λ^5} \\frac{1}{\\op{exp}(\\frac{h c}{λ k T}) − 1}",
-                     "X = ∫ L_λ \\op{x̄}(λ) \\text{ d}λ , \\quad Y = ∫ L_λ \\op{ȳ}(λ) \\text{ d}λ , \\quad Z = ∫ L_λ "
+                     "X = ∫ L_λ \\op{x̄}(λ) \\text{ d}λ ; Y = ∫ L_λ \\op{ȳ}(λ) \\text{ d}λ ; Z = ∫ L_λ "
                      "\\op{z̄}(λ) \\text{ d}λ"};
   figure.sources = {"Planck 1901, Ueber das Gesetz der Energieverteilung im Normalspectrum",
                     "CIE 15:2004, Colorimetry, table T.4", "ITU-R BT.709-6"};

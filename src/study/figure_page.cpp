@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "study/markup.h"
 
 namespace candela::study {
@@ -31,7 +33,8 @@ nav ol ul { list-style: none; margin: .2rem 0 0; padding: 0; font-size: .94rem; 
 nav b a { color: inherit; }
 figure.entry { margin: 2.6rem 0 0; }
 .formulas { background: var(--card); border-radius: 6px; padding: .55rem 1rem; margin: .2rem 0 1rem; overflow-x: auto; }
-.formulas math { font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", math, serif; font-size: 1.15rem; margin: .5rem 0; }
+.formulas div { display: flex; flex-wrap: wrap; justify-content: center; gap: 0 2.4rem; }
+.formulas math { width: auto; font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", math, serif; font-size: 1.15rem; margin: .5rem 0; }
 .panels { display: grid; gap: 1.2rem 1.6rem; grid-template-columns: 1fr; margin: .6rem 0 .8rem; align-items: start; }
 @media (min-width: 46rem) { .two, .three { grid-template-columns: 1fr 1fr; } }
 @media (min-width: 66rem) { .three { grid-template-columns: 1fr 1fr 1fr; } }
@@ -61,6 +64,7 @@ code { font: .88em/1.5 ui-monospace, "SF Mono", Menlo, "DejaVu Sans Mono", monos
 .gallery a { color: inherit; text-decoration: none; display: block; }
 .gallery img { display: block; width: 100%; height: auto; border-radius: 3px; }
 .gallery a:hover span { text-decoration: underline; }
+.note { margin-top: 2.5rem; }
 .turn { display: flex; justify-content: space-between; gap: 1rem; margin: 0 0 2rem; font-size: .95rem; }
 )css";
 
@@ -122,6 +126,17 @@ std::string list_html(const char* what, const std::vector<std::string>& items, b
   return html + "</dd>\n";
 }
 
+/// Formulas between semicolons, beside each other where there is room.
+std::string formula_line(const std::string& formulas) {
+  std::string html = "<div>\n";
+  for (std::size_t begin = 0; begin <= formulas.size();) {
+    const std::size_t end = std::min(formulas.find(';', begin), formulas.size());
+    html += mathml(std::string_view(formulas).substr(begin, end - begin)) + "\n";
+    begin = end + 1;
+  }
+  return html + "</div>\n";
+}
+
 /// Text, formulas, panels, table, and where they come from.
 std::string content_html(const PageFigure& page) {
   const Figure& figure = page.figure;
@@ -129,7 +144,7 @@ std::string content_html(const PageFigure& page) {
   for (const std::string& paragraph : figure.text) html += "<p>" + escaped(paragraph) + "</p>\n";
   if (!figure.formulas.empty()) {
     html += "<div class=\"formulas\">\n";
-    for (const std::string& formula : figure.formulas) html += mathml(formula) + "\n";
+    for (const std::string& formula : figure.formulas) html += formula_line(formula);
     html += "</div>\n";
   }
   const char* const columns = figure.columns == 3 ? " three" : figure.columns == 2 ? " two" : "";
@@ -212,8 +227,8 @@ std::string parameter_html(const PageFigure& figure, const PageFigure* before, c
   };
   return head(figure.info.title + " – parameters") + "<nav class=\"turn\">" + link(before, "← {}") +
          "<a href=\"index.html\">All figures</a>" + link(after, "{} →") + "</nav>\n<main>\n<h1>" +
-         escaped(figure.info.title) + "</h1>\n" + content_html(figure) + "</main>\n<p class=\"soft\">" + escaped(note) +
-         "</p>\n" + kFoot;
+         escaped(figure.info.title) + "</h1>\n" + content_html(figure) + "</main>\n<p class=\"soft note\">" +
+         escaped(note) + "</p>\n" + kFoot;
 }
 
 }  // namespace candela::study

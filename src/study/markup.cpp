@@ -146,7 +146,6 @@ class FormulaReader {
       ++at_;
       return "<mspace width=\"0.17em\"/>";
     }
-    if (name == "quad") return "<mspace width=\"1.2em\"/>";
     if (name == "frac") {
       const std::string above = atom();
       return element("mfrac", above + atom());

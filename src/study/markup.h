@@ -11,7 +11,7 @@ std::string escaped(std::string_view text);
 
 /// A formula as a MathML element (MathML Core), from the part of TeX that our formulas need: letters are variables,
 /// digits with a decimal point numbers, `{…}` a group, `_` and `^` scripts, `\frac{a}{b}`, `\sqrt{a}`, `\op{max}` the
-/// name of a function, `\text{if }` with its blanks, `\,` a thin space and `\quad` a wide one; other blanks separate
+/// name of a function, `\text{if }` with its blanks, `\,` a thin space; other blanks separate
 /// and are not set; all else is an operator. What stands in parentheses is a group with them. Greek letters, ∫, Σ and ·
 /// stand as themselves. Throws Error where a brace or an argument is missing.
 std::string mathml(std::string_view formula);

@@ -26,7 +26,7 @@ Ink sequential_ink(int i, int count) {
   constexpr std::array<std::string_view, 10> kPlasma{"#0d0887", "#46039f", "#7201a8", "#9c179e", "#bd3786",
                                                      "#d8576b", "#ed7953", "#fb9f3a", "#fdca26", "#f0f921"};
   // The lightest do not show on white, the darkest not on black.
-  constexpr int kOnLight = 7, kOnDark = 2;
+  constexpr int kOnLight = 7, kOnDark = 3;
   const int most = std::max(count - 1, 1);
   const auto light = static_cast<std::size_t>((i * kOnLight + most / 2) / most);
   const auto dark = static_cast<std::size_t>(kOnDark + (i * (9 - kOnDark) + most / 2) / most);

@@ -5,6 +5,8 @@ import html.parser
 import os
 import re
 import shlex
+import signal
+import time
 import unittest
 import xml.etree.ElementTree as ElementTree
 
@@ -173,6 +175,22 @@ class Figures(CliTest):
         self.assertEqual(self.succeeds("figures", "-o", "out", "--only", "geometry", "-q").err, "")
         told = self.succeeds("figures", "-o", "out", "--only", "geometry").err
         self.assertRegex(told, r"\Aout/index.html: 1 figure, 2 files in ")
+
+    def test_ctrl_c_leaves_pages_of_what_is_done(self):
+        process = self.start_candela("figures", "-o", "out", "--spp", "512")
+        deadline = time.monotonic() + 60
+        while not (self.folder / "out/fresnel-metals-f82.svg").exists():
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 0, err)
+        self.assertIn(b"interrupted", err)
+        out = self.folder / "out"
+        page = Page(out / "index.html")
+        self.assertEqual(page.files() | {"index.html"}, {path.name for path in out.iterdir()})
+        self.assertIn("fresnel-metals-f82.svg", page.files())
+        self.assertNotIn("riemann-monte-carlo.svg", page.files())
 
     def test_help_has_an_example(self):
         self.assertIn("candela figures -o figures --only ndf-ggx", self.succeeds("figures", "--help").out)

@@ -37,7 +37,7 @@ TEST(unit_study_markup, a_script_belongs_to_the_whole_group) {
 
 TEST(unit_study_markup, formulas_are_well_formed_whatever_they_hold) {
   EXPECT_TRUE(test::is_well_formed(mathml("a < b & c > \\text{<i>}")));
-  EXPECT_TRUE(test::is_well_formed(mathml("\\frac{(n − 1)^2 + k^2}{(n + 1)^2 + k^2} , \\quad \\op{sin}^2 \\, θ")));
+  EXPECT_TRUE(test::is_well_formed(mathml("\\frac{(n − 1)^2 + k^2}{(n + 1)^2 + k^2} , \\op{sin}^2 \\, θ")));
 }
 
 TEST(unit_study_markup, damaged_formulas_are_refused) {
