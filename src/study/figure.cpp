@@ -190,6 +190,7 @@ Film trace_balls(FigureContext& context, const std::vector<Material>& materials,
 
 std::vector<std::string> errors_of_each(const Film& film, const Film& truth, int count) {
   std::vector<std::string> errors;
+  errors.reserve(static_cast<std::size_t>(count));
   const int side = truth.width() / count;
   for (int i = 0; i < count; ++i) {
     errors.push_back(percent_text(relative_error(film.beauty, truth.beauty, i * side, (i + 1) * side)));

@@ -39,11 +39,11 @@ std::size_t write_parameter_pages(const std::filesystem::path& folder, const std
 }  // namespace
 
 std::vector<FigureInfo> choose_figures(const std::vector<std::string>& names) {
-  const std::vector<FigureInfo> all = figures();
+  std::vector<FigureInfo> all = figures();
   for (const std::string& name : names) {
     if (std::any_of(all.begin(), all.end(), [&](const FigureInfo& info) { return info.name == name; })) continue;
     std::string known;
-    for (const FigureInfo& info : all) known += (known.empty() ? "" : ", ") + info.name;
+    for (const FigureInfo& info : all) known.append(known.empty() ? "" : ", ").append(info.name);
     throw Error("no figure \"" + name + "\"; there are " + known);
   }
   if (names.empty()) return all;

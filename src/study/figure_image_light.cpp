@@ -120,8 +120,9 @@ Image shaded_row(const std::vector<Material>& materials, int side, const ShadePo
         const shade::SurfaceParams params = surface_params(materials[ball], shade::shading_model_candela());
         vec4 sum(0.0f);
         for (int k = 0; k < kFine * kFine; ++k) {
-          const vec2 at(static_cast<float>(x % side) + (static_cast<float>(k % kFine) + 0.5f) / kFine,
-                        static_cast<float>(y) + (static_cast<float>(k / kFine) + 0.5f) / kFine);
+          const ivec2 fine(k % kFine, k / kFine);
+          const vec2 at(static_cast<float>(x % side) + (static_cast<float>(fine.x) + 0.5f) / kFine,
+                        static_cast<float>(y) + (static_cast<float>(fine.y) + 0.5f) / kFine);
           vec2 p = (2.0f * at / static_cast<float>(side) - 1.0f) * (0.5f * kSphereSpacing);
           p.y = -p.y;
           const float r2 = glm::dot(p, p);
@@ -311,6 +312,7 @@ Figure irradiance_convergence(FigureContext& context) {
   for (int order = 0; order <= ibl::kMostShOrder; ++order) {
     const ibl::Sh sh = ibl::sh_irradiance(ibl::sh_project(source, order));
     std::vector<dvec3> values;
+    values.reserve(directions.size());
     for (const dvec3 d : directions) values.push_back(ibl::sh_evaluate(sh, d));
     by_order.emplace_back(order, ibl::compare(values, exact, directions).rms);
   }

@@ -48,7 +48,7 @@ class FormulaReader {
   explicit FormulaReader(std::string_view formula) : formula_(formula) {}
 
   std::string whole() {
-    const std::string content = row();
+    std::string content = row();
     if (at_ < formula_.size()) fail(formula_[at_] == ')' ? "a ) without its (" : "a } without its {");
     return content;
   }
@@ -75,7 +75,7 @@ class FormulaReader {
   }
 
   std::string with_scripts() {
-    const std::string base = atom();
+    std::string base = atom();
     std::string below, above;
     for (skip_blanks(); at_ < formula_.size() && (formula_[at_] == '_' || formula_[at_] == '^'); skip_blanks()) {
       std::string& script = formula_[at_] == '_' ? below : above;

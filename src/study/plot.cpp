@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 
 #include "base/error.h"
 #include "study/markup.h"
@@ -227,9 +228,9 @@ void spread(std::vector<EndLabel>& labels, double low, double high) {
     top = label.at + kGap;
   }
   double bottom = high;
-  for (auto label = labels.rbegin(); label != labels.rend(); ++label) {
-    label->at = std::min(label->at, bottom);
-    bottom = label->at - kGap;
+  for (EndLabel& label : labels | std::views::reverse) {
+    label.at = std::min(label.at, bottom);
+    bottom = label.at - kGap;
   }
 }
 
@@ -252,7 +253,7 @@ void draw_axes(Svg& svg, const Plot& plot, const Mapping& x, const Mapping& y, c
   }
   svg.path("axis", fmt::format("M{:.1f} {:.1f}V{:.1f}H{:.1f}", f.left, f.top, f.bottom, f.right));
   svg.text("label", {0.5 * (f.left + f.right), f.bottom + 44}, "middle", plot.x.label);
-  svg.text("label", {f.left - 9 < 50 ? 4.0 : f.left - 60, f.top - 14}, "start", plot.y.label);
+  svg.text("label", {4.0, f.top - 14}, "start", plot.y.label);
 }
 
 /// Returns where the curve was last seen within the frame.
