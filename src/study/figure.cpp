@@ -106,7 +106,7 @@ std::string percent_text(double share) {
   const double percent = 100.0 * share;
   if (percent >= 9.95) return fmt::format("{:.0f} %", percent);
   if (percent >= 0.995 || percent == 0.0) return fmt::format("{:.1f} %", percent);
-  return fmt::format("{:.2g} %", percent);
+  return percent < 0.01 ? "< 0.01 %" : fmt::format("{:.2g} %", percent);
 }
 
 std::vector<dvec2> sampled(double low, double high, int count, const std::function<double(double)>& f) {

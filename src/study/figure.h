@@ -113,7 +113,7 @@ class FigureContext {
 /// Root of the mean squared difference over the root mean square of the reference, over the colour channels of columns
 /// [begin, end); end 0 = all.
 double relative_error(const Image& image, const Image& reference, int begin = 0, int end = 0);
-/// "12 %", "3.2 %", "0.054 %".
+/// "12 %", "3.2 %", "0.054 %", "< 0.01 %".
 std::string percent_text(double share);
 
 /// f at `count` even steps from `low` to `high`.

@@ -103,7 +103,7 @@ Figure gamma(FigureContext& context) {
                                             return static_cast<double>(
                                                 shade::srgb_encode_channel(static_cast<float>(c)));
                                           })});
-  plot.curves.push_back({.label = "c^(1/2.2)",
+  plot.curves.push_back({.label = "power 1/2.2",
                          .points = sampled(0, 1, 301, [](double c) { return std::pow(c, 1 / 2.2); }),
                          .ink = categorical_ink(1),
                          .stroke = Stroke::dashed});

@@ -103,8 +103,15 @@ Figure irradiance_map(FigureContext& context) {
 
 // ----- a metal ball by its normal alone
 
-/// What a point of ball `ball` shows: its surface as seen, the mirrored direction in the world, and n·v.
-using ShadePoint = std::function<vec3(std::size_t ball, const shade::Surface&, dvec3 reflected, float n_dot_v)>;
+/// A point of a ball, with its directions in the world.
+struct BallPoint {
+  std::size_t ball;
+  shade::Surface surface;  ///< as seen
+  vec3 wo;                 ///< in its own frame; wo.z = n·v
+  vec3 normal;
+  vec3 mirrored;
+};
+using ShadePoint = std::function<vec3(const BallPoint&)>;
 
 /// Balls seen from the studio's camera, shaded point by point; premultiplied.
 Image shaded_row(const std::vector<Material>& materials, int side, const ShadePoint& shade_point) {
@@ -128,11 +135,11 @@ Image shaded_row(const std::vector<Material>& materials, int side, const ShadePo
           const float r2 = glm::dot(p, p);
           if (r2 >= 1.0f) continue;
           const float mu = std::sqrt(1.0f - r2);
-          const vec3 n(p, mu);
-          const vec3 reflected = 2.0f * mu * n - vec3(0, 0, 1);
-          const vec3 wo(std::sqrt(std::max(1.0f - mu * mu, 0.0f)), 0.0f, mu);
-          const shade::Surface surface = shade::surface_prepare(params, wo);
-          sum += vec4(shade_point(ball, surface, dvec3(glm::normalize(world_from_camera * reflected)), mu), 1.0f);
+          const vec3 n(p, mu), wo(std::sqrt(std::max(1.0f - mu * mu, 0.0f)), 0.0f, mu);
+          const vec3 mirrored = shade::microfacet_reflect(vec3(0, 0, 1), n);
+          sum += vec4(shade_point({ball, shade::surface_prepare(params, wo), wo, world_from_camera * n,
+                                   glm::normalize(world_from_camera * mirrored)}),
+                      1.0f);
         }
         sum /= static_cast<float>(kFine * kFine);
         for (int c = 0; c < 4; ++c) image.at(x, y)[static_cast<std::size_t>(c)] = sum[c];
@@ -160,13 +167,15 @@ Figure environment_mips(FigureContext& context) {
       "the lobe itself, once and for all "
       "directions, as if it were seen from the front, and multiplies by what the lobe reflects of white light. The "
       "path tracer makes no assumption.",
-      "What is left of the split sum's error is that front view: towards the rim a true reflection stretches, and "
-      "bends to the horizon."};
+      "What is left of the split sum’s error is that front view: towards the rim a true reflection stretches, and its "
+      "middle moves towards the normal. Reading the blurred light there instead of in the mirror direction helps "
+      "where the surface is rough, and harms where it is nearly smooth."};
   figure.formulas = {"∫_Ω f L_i (n·l) \\text{ d}l ≈ ( ∫_Ω L_i D (n·l) \\text{ d}l ) ( F_0 A + F_{90} B )",
                      "\\op{level} = \\op{levels} − 1 + \\op{log}_2 \\, α"};
   figure.sources = {kKaris, "Lagarde & de Rousiers 2014, Moving Frostbite to Physically Based Rendering, §4.9",
                     "Ratković 2017, Physically Based Rendering (the simple alternatives)"};
-  figure.functions = {"ibl::cube_mips", "ibl::Prefilter", "shade::surface_shares", "path::render"};
+  figure.functions = {"ibl::cube_mips", "ibl::Prefilter", "shade::surface_shares", "shade::image_light_dominant",
+                      "path::render"};
   const std::array<float, 6> roughness{0.0f, 0.2f, 0.4f, 0.6f, 0.8f, 1.0f};
   std::vector<Material> materials;
   std::vector<std::string> scale;
@@ -208,19 +217,24 @@ Figure environment_mips(FigureContext& context) {
   figure.panels.push_back({"environment-mips-truth.png", develop(truth, shown),
                            fmt::format("path traced, {} samples per pixel", settings.samples),
                            "the measure of the others", scale});
-  add("environment-mips-split-sum.png", "split sum: prefiltered by the lobe, times the table",
-      shaded_row(materials, side, [&](std::size_t ball, const shade::Surface& s, dvec3 r, float mu) {
-        const vec3 wo(std::sqrt(std::max(1.0f - mu * mu, 0.0f)), 0.0f, mu);
-        return ibl::cube_lookup(filtered[ball], r) * shade::surface_shares(s, wo).specular;
+  add("environment-mips-dominant.png", "split sum, read where the lobe has its middle",
+      shaded_row(materials, side, [&](const BallPoint& p) {
+        const dvec3 dominant(shade::image_light_dominant(p.normal, p.mirrored, p.surface.alpha));
+        return ibl::cube_lookup(filtered[p.ball], dominant) * shade::surface_shares(p.surface, p.wo).specular;
       }));
-  add("environment-mips.png", "environment mips by roughness, times Schlick's curve",
-      shaded_row(materials, side, [&](std::size_t, const shade::Surface& s, dvec3 r, float mu) {
-        const float level = shade::image_light_level(s.alpha, static_cast<float>(mips.levels.size()));
-        return lookup_level(mips, r, level) * shade::fresnel_schlick(s.f0_metal, vec3(1.0f), mu);
+  add("environment-mips-split-sum.png",
+      "split sum: prefiltered by the lobe, read in the mirror direction, times the table",
+      shaded_row(materials, side, [&](const BallPoint& p) {
+        return ibl::cube_lookup(filtered[p.ball], dvec3(p.mirrored)) * shade::surface_shares(p.surface, p.wo).specular;
+      }));
+  add("environment-mips.png", "environment mips by roughness, times Schlick’s curve",
+      shaded_row(materials, side, [&](const BallPoint& p) {
+        const float level = shade::image_light_level(p.surface.alpha, static_cast<float>(mips.levels.size()));
+        return lookup_level(mips, dvec3(p.mirrored), level) *
+               shade::fresnel_schlick(p.surface.f0_metal, vec3(1.0f), p.wo.z);
       }));
   add("environment-mips-constant.png", "constant ambient light: the mean of the environment",
-      shaded_row(materials, side,
-                 [&](std::size_t, const shade::Surface& s, dvec3, float) { return mean * s.f0_metal; }));
+      shaded_row(materials, side, [&](const BallPoint& p) { return mean * p.surface.f0_metal; }));
   return figure;
 }
 

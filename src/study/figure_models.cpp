@@ -16,7 +16,7 @@ Figure blinn_phong(FigureContext& context) {
   figure.text = {
       "One scene, one light, six sets of formulas. Blinn–Phong without a microfacet denominator knows neither the "
       "horizon nor "
-      "the energy of its lobe: smooth metals go dark and rough ones grey. The engines' models differ from each other "
+      "the energy of its lobe: metals go black but for the perfect mirror. The engines' models differ from each other "
       "in the "
       "shade of a rough ball; what all of them lose is the light that bounces from facet to facet.",
       "Rows from the top: ivory, cobalt, gold, iron; roughness 0 to 1 from left to right. The error is the relative "
@@ -178,10 +178,10 @@ Figure global_illumination(FigureContext& context) {
   Figure figure;
   figure.text = {
       "With one bounce the lamp lights what it sees and everything else is black, the ceiling too. The second brings "
-      "the colours "
-      "of the walls onto the blocks; from the fourth on there is little to add but the last tenth of the light. The "
-      "share is of the mean "
-      "luminance that many bounces reach."};
+      "the "
+      "colours of the walls onto the blocks; each further one adds about half of what the one before it did. The share "
+      "is "
+      "of the mean luminance of the picture, the lamp in it included, with 32 bounces."};
   figure.formulas = {"L_o = L_e + ∫_Ω f L_i (n·l) \\text{ d}l", "L = L_e + T L_e + T^2 L_e + …"};
   figure.sources = {
       "Kajiya 1986, The Rendering Equation",

@@ -47,7 +47,8 @@ void add_rows(FigureContext& context, Figure& figure, const std::string& name, c
               const std::vector<std::string>& scale) {
   const int count = static_cast<int>(materials.size());
   const int side = context.pixels(100);
-  const path::Settings settings = path_settings(context, side, side);
+  path::Settings settings = path_settings(context, side, side);
+  settings.samples *= 2;  // the errors below should not be of its own noise
   const Film truth = trace_balls(context, materials, settings);
   const DevelopSettings shown{.exposure = 1.0f};
   figure.panels.push_back({name + ".png",

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ranges>
 
 #include "base/error.h"
 #include "study/markup.h"
@@ -228,10 +227,10 @@ void spread(std::vector<EndLabel>& labels, double low, double high) {
     top = label.at + kGap;
   }
   double bottom = high;
-  for (EndLabel& label : labels | std::views::reverse) {
+  std::for_each(labels.rbegin(), labels.rend(), [&bottom](EndLabel& label) {
     label.at = std::min(label.at, bottom);
     bottom = label.at - kGap;
-  }
+  });
 }
 
 struct Frame {

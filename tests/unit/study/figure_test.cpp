@@ -41,6 +41,7 @@ TEST(unit_study_figure, the_error_is_relative_and_of_the_columns_asked_for) {
 
 TEST(unit_study_figure, percents_have_two_digits) {
   EXPECT_EQ(percent_text(0.0), "0.0 %");
+  EXPECT_EQ(percent_text(1e-9), "< 0.01 %");
   EXPECT_EQ(percent_text(0.0005), "0.05 %");
   EXPECT_EQ(percent_text(0.0312), "3.1 %");
   EXPECT_EQ(percent_text(0.099), "9.9 %");
