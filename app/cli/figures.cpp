@@ -56,15 +56,22 @@ study::FigureSettings settings_of(const FigureOptions& o) {
   return settings;
 }
 
-/// "chapter: name, name", a line each.
+/// "chapter: name, name", each from a line of its own.
 std::string list_text() {
+  constexpr std::size_t kColumns = 100;
   std::string text;
-  int last = -1;
-  for (const study::FigureInfo& info : study::figures()) {
-    const bool is_new = static_cast<int>(info.chapter) != last;
-    text += is_new ? fmt::format("\n  {}: ", study::chapter_title(info.chapter)) : ", ";
-    text += info.name;
-    last = static_cast<int>(info.chapter);
+  std::size_t column = 0;
+  const study::FigureInfo* last = nullptr;
+  const std::vector<study::FigureInfo> all = study::figures();
+  for (const study::FigureInfo& info : all) {
+    const bool is_new = last == nullptr || info.chapter != last->chapter;
+    const bool is_full = column + info.name.size() + 2 > kColumns;
+    const std::string before = is_new    ? fmt::format("\n  {}: ", study::chapter_title(info.chapter))
+                               : is_full ? ",\n    "
+                                         : ", ";
+    column = (is_new || is_full ? before.size() : column + before.size()) + info.name.size();
+    text += before + info.name;
+    last = &info;
   }
   return text;
 }
@@ -116,8 +123,8 @@ Verb add_figures(CLI::App& app) {
       ->type_name("DIR")
       ->required();
   add_value(
-      verb, "--only", "NAME,…", o.chosen, [](const std::string& text) { return study::choose_figures(split(text)); },
-      "These figures alone");
+      verb, "--only", "NAMES", o.chosen, [](const std::string& text) { return study::choose_figures(split(text)); },
+      "These figures alone, separated by commas");
   add_value(verb, "--quality", "NAME", o.quality, parse_quality,
             "final: minutes; draft: half as wide, 8 samples [final]");
   add_value(verb, "--spp", "N", o.samples, count_within(1, 65536),

@@ -72,8 +72,9 @@ class Figures(CliTest):
     def listed(self):
         """All names, as the help lists them."""
         text = self.succeeds("figures", "--help").out
-        lines = text[text.index("Figures:") : text.index("Examples:")].splitlines()[1:]
-        return [name for line in lines if ":" in line for name in line.split(": ")[1].split(", ")]
+        listed = text[text.index("Figures:") : text.index("Examples:")].removeprefix("Figures:").replace(",\n", ",")
+        lines = [line for line in listed.splitlines() if line.strip()]
+        return [name.strip() for line in lines for name in line.split(": ")[1].split(",")]
 
     def test_curves_alone_and_the_page_that_shows_them(self):
         self.succeeds("figures", "-o", "out", "--only", "ndf-ggx,fresnel-dielectrics", "-q")
