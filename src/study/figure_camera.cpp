@@ -65,16 +65,14 @@ Figure gamma(FigureContext& context) {
   Figure figure;
   figure.text = {
       "Light adds, codes do not: 8-bit codes are spaced as the eye sees, about by the root of the light. A renderer "
-      "decodes "
-      "colours on the way in, works with light, and encodes once on the way out.",
+      "decodes colours on the way in, works with light, and encodes once on the way out.",
       "Without encoding the display shows the square of what was meant: dark, hard, too colourful. Leaving both "
-      "conversions "
-      "out brings the colours back, but lights are added as codes, so that shading falls off too fast, highlights burn "
-      "out "
-      "and where two lights meet their sum is wrong. The error is of the light that leaves the display."};
+      "conversions out brings the colours back, but lights are added as codes, so that shading falls off too fast, "
+      "highlights burn out and where two lights meet their sum is wrong. The error is of the light that leaves the "
+      "display."};
   figure.formulas = {"C = 12.92 c \\text{ for } c ≤ 0.0031308 \\text{, else } C = 1.055 c^{1/2.4} − 0.055"};
   figure.sources = {"IEC 61966-2-1:1999, sRGB",
-                    "Gritz & d'Eon 2007, The Importance of Being Linear, GPU Gems 3, chapter 24"};
+                    "Gritz & d’Eon 2007, The Importance of Being Linear, GPU Gems 3, chapter 24"};
   figure.functions = {"shade::srgb_encode", "shade::srgb_decode"};
   figure.columns = 2;
 
@@ -138,10 +136,9 @@ Figure tone_mapping(FigureContext& context) {
   Figure figure;
   figure.text = {
       "A lamp is thousands of times as bright as what it lights, a display at most a few hundred times as bright as "
-      "its "
-      "black. Off, all that is brighter than white is white, and coloured light burns out channel by channel. A tone "
-      "curve "
-      "bends the bright end so that there is room for it. The picture below is exposed two stops too long on purpose."};
+      "its black. Off, all that is brighter than white is white, and coloured light burns out channel by channel. A "
+      "tone curve bends the bright end so that there is room for it. The picture below is exposed two stops too long "
+      "on purpose."};
   figure.formulas = {"T_{\\op{exponential}}(c) = 1 − \\op{exp}(−c · \\op{exposure})",
                      "T_{\\op{Reinhard}}(c) = \\frac{c}{1 + c}"};
   figure.sources = {"Reinhard, Stark, Shirley & Ferwerda 2002, Photographic Tone Reproduction for Digital Images",
@@ -188,13 +185,11 @@ Figure exposure(FigureContext& context) {
   Figure figure;
   figure.text = {
       "The same light, let in for longer and longer: each picture has four times the exposure of the one before. "
-      "Metered "
-      "is what a camera would choose, which brings the logarithmic mean of the picture to middle grey. A camera’s "
-      "three "
-      "numbers, aperture, shutter and sensitivity, are one: EV 100."};
+      "Metered is what a camera would choose, which brings the logarithmic mean of the picture to middle grey. A "
+      "camera’s three numbers, aperture, shutter and sensitivity, are one: EV 100."};
   figure.formulas = {"T(c) = 1 − \\op{exp}(−c · \\op{exposure})",
-                     "\\op{EV}_{100} = \\op{log}_2 ( \\frac{N^2}{t} \\frac{100}{S} ) ; "
-                     "\\op{exposure} = \\frac{1}{1.2 · 2^{\\op{EV}_{100}}}"};
+                     "\\op{EV}_{100} = \\op{log}_2 ( \\frac{N^2}{t} \\frac{100}{S} ) ; \\op{exposure} = "
+                     "\\frac{1}{1.2 · 2^{\\op{EV}_{100}}}"};
   figure.sources = {
       "Lagarde & de Rousiers 2014, Moving Frostbite to Physically Based Rendering, §5.1",
       "Reinhard, Stark, Shirley & Ferwerda 2002, Photographic Tone Reproduction for Digital Images, eq. 1"};

@@ -37,15 +37,14 @@ Axis angle_axis(std::string label, double high = 90.0) {
 Figure ndf(FigureContext&) {
   Figure figure;
   figure.text = {
-      "How many facets of a rough surface face a direction: the smoother it is, the more of them face the normal. D is "
-      "a "
-      "density of area per solid angle, so a narrow lobe is also a high one; the area that the facets cast onto the "
-      "surface is always 1. Left each lobe over its own peak, right as it is.",
+      "How many facets of a rough surface face a direction: the smoother it is, the more of them face the normal. D "
+      "is a density of area per solid angle, so a narrow lobe is also a high one; the area that the facets cast onto "
+      "the surface is always 1. Left each lobe over its own peak, right as it is.",
       "An artist authors the roughness r; the width of the lobe is its square, α = r²."};
   figure.formulas = {"D(h) = \\frac{α^2}{π ((n·h)^2 (α^2 − 1) + 1)^2}", "α = r^2", "∫_Ω D(h) (n·h) \\text{ d}h = 1"};
   figure.sources = {std::string(kWalter) + ", eq. 33",
-                    "Trowbridge & Reitz 1975, Average irregularity representation of a "
-                    "rough surface for ray reflection",
+                    "Trowbridge & Reitz 1975, Average irregularity representation of a rough surface for ray "
+                    "reflection",
                     "Burley 2012, Physically-Based Shading at Disney (α = r²)"};
   figure.functions = {"shade::ggx_d", "shade::roughness_to_alpha"};
   figure.columns = 2;
@@ -71,12 +70,10 @@ Figure ndf(FigureContext&) {
 Figure ndf_models(FigureContext&) {
   Figure figure;
   figure.text = {
-      "Near the normal the three agree: the exponent of Blinn–Phong is chosen to make them. GGX has the longest tail, "
-      "which is the glow around a highlight of metal or lacquer. Beckmann’s facets have normally distributed slopes "
-      "and "
-      "end sooner; the cosine power of Blinn–Phong cannot be told from them while the surface is smooth, and ends "
-      "later "
-      "where it is rough."};
+      "Near the normal the three agree: the exponent of Blinn–Phong is chosen to make them. GGX has the longest "
+      "tail, which is the glow around a highlight of metal or lacquer. Beckmann’s facets have normally distributed "
+      "slopes and end sooner; the cosine power of Blinn–Phong cannot be told from them while the surface is smooth, "
+      "and ends later where it is rough."};
   figure.formulas = {"D_{\\op{Beckmann}}(h) = \\frac{1}{π α^2 (n·h)^4} \\op{exp} ( \\frac{(n·h)^2 − 1}{α^2 (n·h)^2} )",
                      "D_{\\op{Blinn–Phong}}(h) = \\frac{m + 2}{2π} (n·h)^m ; m = \\frac{2}{α^2} − 2"};
   figure.sources = {std::string(kWalter) + ", eq. 25, 30 and 33",
@@ -113,14 +110,14 @@ Figure ndf_models(FigureContext&) {
 Figure geometry(FigureContext&) {
   Figure figure;
   figure.text = {
-      "Facets stand in each other's way: some are masked from the viewer, some lie in the shadow of others. G is the "
-      "share "
-      "of those that face h which are neither. The rougher the surface and the lower the light, the less is left."};
+      "Facets stand in each other’s way: some are masked from the viewer, some lie in the shadow of others. G is the "
+      "share of those that face h which are neither. The rougher the surface and the lower the light, the less is "
+      "left."};
   figure.formulas = {"G_1(v) = \\frac{1}{1 + Λ(v)} ; Λ(v) = \\frac{1}{2} ( \\sqrt{1 + α^2 \\op{tan}^2 \\, θ} − 1 )",
                      "G_1(v) = \\frac{2 (n·v)}{(n·v) + \\sqrt{α^2 + (1 − α^2) (n·v)^2}}"};
   figure.sources = {std::string(kHeitz) + ", eq. 43 and 72", std::string(kWalter) + ", eq. 34"};
   figure.functions = {"shade::ggx_g1"};
-  Plot plot{.title = "Smith's masking over roughness",
+  Plot plot{.title = "Smith’s masking over roughness",
             .x = angle_axis("angle between v and the normal, degrees"),
             .y = {.label = "G₁"}};
   for (std::size_t i = 0; i < kRoughness.size(); ++i) {
@@ -139,18 +136,15 @@ Figure geometry_models(FigureContext&) {
   Figure figure;
   figure.text = {
       "What engines and texts write for G, for a viewer and a light at equal angles on both sides of the normal. "
-      "Smith's "
-      "height-correlated form is exact for its surface. The separable form treats masking and shadowing as if they "
-      "were "
-      "independent and loses most at the horizon. Schlick's rational form has a k for lamps that brightens rough "
-      "surfaces "
-      "on purpose, and one for images that is close to Smith's."};
+      "Smith’s height-correlated form is exact for its surface. The separable form treats masking and shadowing as "
+      "if they were independent and loses most at the horizon. Schlick’s rational form has a k for lamps that "
+      "brightens rough surfaces on purpose, and one for images that is close to Smith’s."};
   figure.formulas = {
       "G_{\\op{correlated}} = \\frac{1}{1 + Λ(v) + Λ(l)} ; G_{\\op{separable}} = G_1(v) G_1(l)",
-      "G_{\\op{Schlick}}(x) = \\frac{x}{x (1 − k) + k} ; k_{\\op{direct}} = \\frac{(r + 1)^2}{8} ; "
-      "k_{\\op{IBL}} = \\frac{r^2}{2}",
-      "G_{\\op{Beckmann}}(v) = \\frac{3.535 c + 2.181 c^2}{1 + 2.276 c + 2.577 c^2} \\text{ for } c < 1.6 "
-      "\\text{, else } 1 ; c = \\frac{1}{α \\op{tan} \\, θ}"};
+      "G_{\\op{Schlick}}(x) = \\frac{x}{x (1 − k) + k} ; k_{\\op{direct}} = \\frac{(r + 1)^2}{8} ; k_{\\op{IBL}} = "
+      "\\frac{r^2}{2}",
+      "G_{\\op{Beckmann}}(v) = \\frac{3.535 c + 2.181 c^2}{1 + 2.276 c + 2.577 c^2} \\text{ for } c < 1.6 \\text{, "
+      "else } 1 ; c = \\frac{1}{α \\op{tan} \\, θ}"};
   figure.sources = {std::string(kHeitz) + ", eq. 99", std::string(kKaris) + ", eq. 4",
                     "Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering",
                     std::string(kWalter) + ", eq. 23 and 27"};
@@ -200,12 +194,11 @@ shade::SurfaceParams white_metal(float roughness, const shade::ShadingModel& mod
 Figure brdf_lobes(FigureContext&) {
   Figure figure;
   figure.text = {
-      "What a metal makes of light from 45°, cut in the plane of incidence, each lobe over its own peak. Smooth metals "
-      "reflect as a mirror; with roughness the lobe widens, and its middle leaves the mirror's direction towards the "
-      "horizon: the off-specular peak.",
+      "What a metal makes of light from 45°, cut in the plane of incidence, each lobe over its own peak. Smooth "
+      "metals reflect as a mirror; with roughness the lobe widens, and its middle leaves the mirror’s direction "
+      "towards the horizon: the off-specular peak.",
       "Right a white dielectric of index 1.5: a diffuse lobe, which no longer knows where the light came from, with "
-      "the "
-      "reflection of its boundary on top, both in true proportion."};
+      "the reflection of its boundary on top, both in true proportion."};
   figure.formulas = {"f(l, v) = \\frac{D(h) F(v·h) G(l, v)}{4 (n·l) (n·v)}"};
   figure.sources = {"Cook & Torrance 1982, A Reflectance Model for Computer Graphics",
                     "Torrance & Sparrow 1967, Theory for Off-Specular Reflection from Roughened Surfaces"};
@@ -251,10 +244,9 @@ Figure energy(FigureContext& context) {
   Figure figure;
   figure.text = {
       "A white surface in a white furnace must vanish: what it reflects is 1, whatever its roughness. Single "
-      "scattering "
-      "loses the light that bounces from facet to facet, more than half of it at roughness 1; a diffuse layer that "
-      "ignores the reflection above it makes some. Every point is the integral of the compiled material over the "
-      "hemisphere."};
+      "scattering loses the light that bounces from facet to facet, more than half of it at roughness 1; a diffuse "
+      "layer that ignores the reflection above it makes some. Every point is the integral of the compiled material "
+      "over the hemisphere."};
   figure.formulas = {"E(v) = ∫_Ω f(l, v) (n·l) \\text{ d}l"};
   figure.sources = {"Kulla & Conty 2017, Revisiting Physically Based Shading at Imageworks",
                     "Heitz 2014, §6 (the white furnace)"};

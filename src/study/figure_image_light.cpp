@@ -51,11 +51,9 @@ Scene ball_under_lamps(int i) {
 Figure irradiance_map(FigureContext& context) {
   Figure figure;
   figure.text = {
-      "Four lamps light what faces them; the rest of a ball is black, and a metal shows four dots. With the light of a "
-      "room, in an irradiance "
-      "map for what is diffuse and a prefiltered cube for what is not, the balls have a place to be in. The real-time "
-      "renderer looks "
-      "both up; the path tracer asks the room itself."};
+      "Four lamps light what faces them; the rest of a ball is black, and a metal shows four dots. With the light of "
+      "a room, in an irradiance map for what is diffuse and a prefiltered cube for what is not, the balls have a "
+      "place to be in. The real-time renderer looks both up; the path tracer asks the room itself."};
   figure.formulas = {
       "L_o = ∑_k f(l_k, v) E_k (n·l_k) + \\frac{ρ}{π} E(n) + ∫_Ω f_{\\op{specular}} L_i (n·l) \\text{ d}l",
       "E(n) = ∫_Ω L_i(l) (n·l) \\text{ d}l"};
@@ -161,14 +159,12 @@ vec3 lookup_level(const Cubemap& cube, dvec3 direction, float level) {
 Figure environment_mips(FigureContext& context) {
   Figure figure;
   figure.text = {
-      "A rough metal sees the room blurred. The simplest thing is a constant; the next simplest to read a smaller copy "
-      "of the "
-      "environment, chosen by roughness, whose texels are boxes and not lobes. The split sum blurs the environment by "
-      "the lobe itself, once and for all "
-      "directions, as if it were seen from the front, and multiplies by what the lobe reflects of white light. The "
-      "path tracer makes no assumption.",
-      "What is left of the split sum’s error is that front view: towards the rim a true reflection stretches, and its "
-      "middle moves towards the normal. Reading the blurred light there instead of in the mirror direction helps "
+      "A rough metal sees the room blurred. The simplest thing is a constant; the next simplest to read a smaller "
+      "copy of the environment, chosen by roughness, whose texels are boxes and not lobes. The split sum blurs the "
+      "environment by the lobe itself, once and for all directions, as if it were seen from the front, and "
+      "multiplies by what the lobe reflects of white light. The path tracer makes no assumption.",
+      "What is left of the split sum’s error is that front view: towards the rim a true reflection stretches, and "
+      "its middle moves towards the normal. Reading the blurred light there instead of in the mirror direction helps "
       "where the surface is rough, and harms where it is nearly smooth."};
   figure.formulas = {"∫_Ω f L_i (n·l) \\text{ d}l ≈ ( ∫_Ω L_i D (n·l) \\text{ d}l ) ( F_0 A + F_{90} B )",
                      "\\op{level} = \\op{levels} − 1 + \\op{log}_2 \\, α"};
@@ -242,8 +238,8 @@ Figure split_sum_table(FigureContext&) {
   Figure figure;
   figure.text = {
       "The second factor of the split sum depends on two numbers alone, so it is a small picture: the reflectance of "
-      "facets under white light is F₀ times "
-      "the red channel plus the green one. To the right the viewer is in front, upwards the surface is smooth."};
+      "facets under white light is F₀ times the red channel plus the green one. To the right the viewer is in front, "
+      "upwards the surface is smooth."};
   figure.formulas = {"∫_Ω f (n·l) \\text{ d}l = F_0 A(n·v, r) + F_{90} B(n·v, r)"};
   figure.sources = {std::string(kKaris) + ", eq. 8"};
   figure.functions = {"ibl::make_tables", "ibl::split_sum"};
@@ -287,16 +283,14 @@ Figure split_sum_table(FigureContext&) {
 Figure irradiance_convergence(FigureContext& context) {
   Figure figure;
   figure.text = {
-      "Three ways to the irradiance map of the studio, against the exact sum over all of its texels. The grid in polar "
-      "coordinates, as texts print it, needs "
-      "the sine of the polar angle or its pole is far too bright; directions of cosine density, here Hammersley’s "
-      "points, need no weight. "
-      "Nine numbers of spherical harmonics, degree 2, hold almost all of it, for a cosine is a wide lobe."};
+      "Three ways to the irradiance map of the studio, against the exact sum over all of its texels. The grid in "
+      "polar coordinates, as texts print it, needs the sine of the polar angle or its pole is far too bright; "
+      "directions of cosine density, here Hammersley’s points, need no weight. Nine numbers of spherical harmonics, "
+      "degree 2, hold almost all of it, for a cosine is a wide lobe."};
   figure.formulas = {
       "E(n) = ∫_Ω L_i (n·l) \\text{ d}l ≈ \\frac{2 π}{N_1} \\frac{π}{2 N_2} ∑_i ∑_j L_i \\, \\op{cos} \\, θ_j \\, "
       "\\op{sin} \\, θ_j",
-      "E(n) = ∑_{l m} A_l L_{l m} Y_{l m}(n) ; A_0 = π ; A_1 = \\frac{2 π}{3} ; A_2 = "
-      "\\frac{π}{4}"};
+      "E(n) = ∑_{l m} A_l L_{l m} Y_{l m}(n) ; A_0 = π ; A_1 = \\frac{2 π}{3} ; A_2 = \\frac{π}{4}"};
   figure.sources = {"Ramamoorthi & Hanrahan 2001, An Efficient Representation for Irradiance Environment Maps",
                     "de Vries, LearnOpenGL, Diffuse irradiance"};
   figure.functions = {"ibl::irradiance", "ibl::sh_project", "ibl::sh_irradiance"};

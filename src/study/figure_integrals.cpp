@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "base/parallel.h"
 #include "ibl/sampling.h"
@@ -98,19 +99,52 @@ struct Method {
 
 int grid_side(int count) { return std::max(1, static_cast<int>(std::lround(std::sqrt(count / 4.0)))); }
 
+std::array<Method, 4> all_methods() {
+  const auto uniform = [](const Reflection& r, int n, std::uint32_t seed) { return r.uniform(n, seed); };
+  const auto importance = [](const Reflection& r, int n, std::uint32_t seed) { return r.importance(n, seed, false); };
+  const auto riemann = [](const Reflection& r, int n, std::uint32_t) { return r.riemann(grid_side(n)); };
+  const auto sobol = [](const Reflection& r, int n, std::uint32_t seed) { return r.importance(n, seed, true); };
+  constexpr int kSeeds = 16;
+  return {{{"Monte Carlo, uniform", kSeeds, uniform, Stroke::solid},
+           {"Monte Carlo, importance", kSeeds, importance, Stroke::solid},
+           {"Riemann, N₁ = 4 N₂", 1, riemann, Stroke::dashed},
+           {"Sobol’, importance", kSeeds, sobol, Stroke::solid}}};
+}
+
+/// Relative error for each count, root mean square over points and seeds.
+std::vector<dvec2> method_errors(FigureContext& context, const Method& method, const std::vector<Reflection>& points,
+                                 const std::vector<double>& truth, const std::vector<int>& counts) {
+  std::vector<dvec2> errors;
+  for (const int n : counts) {
+    context.check_stop();
+    std::vector<double> squares(points.size());
+    parallel_for(0, points.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        for (int s = 0; s < method.seeds; ++s) {
+          const std::uint32_t seed = hash_combine(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(s));
+          const double e = method.estimate(points[i], n, seed) / truth[i] - 1.0;
+          squares[i] += e * e / method.seeds;
+        }
+      }
+    });
+    const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+    errors.emplace_back(n, std::sqrt(sum / static_cast<double>(points.size())));
+  }
+  return errors;
+}
+
 Figure riemann_monte_carlo(FigureContext& context) {
   Figure figure;
   figure.text = {
-      "The light that a surface point sends to the eye is an integral over all that falls onto it. A Riemann sum walks "
-      "a grid of "
-      "azimuth and polar angle and must weigh each cell by the sine of the latter; a Monte Carlo sum asks at random "
-      "directions and "
-      "divides by their density. Both converge to the same number.",
-      "The plot is the relative error of the radiance of a metal of roughness 0.4 in the studio, root mean square over "
-      "normals and seeds. Random points halve their error with four times the work, slope −½, whatever the dimension. "
-      "Drawing directions as the surface reflects them lowers the whole curve; Sobol’ points, which fill the square "
-      "evenly, make it steeper. The grid beats them once its cells are finer than the lobe and the softboxes, in two "
-      "dimensions: with each bounce it would need the square of its points again, and the random sum does not."};
+      "The light that a surface point sends to the eye is an integral over all that falls onto it. A Riemann sum "
+      "walks a grid of azimuth and polar angle and must weigh each cell by the sine of the latter; a Monte Carlo sum "
+      "asks at random directions and divides by their density. Both converge to the same number.",
+      "The plot is the relative error of the radiance of a metal of roughness 0.4 in the studio, root mean square "
+      "over normals and seeds. Random points halve their error with four times the work, slope −½, whatever the "
+      "dimension. Drawing directions as the surface reflects them lowers the whole curve; Sobol’ points, which fill "
+      "the square evenly, make it steeper. The grid beats them once its cells are finer than the lobe and the "
+      "softboxes, in two dimensions: with each bounce it would need the square of its points again, and the random "
+      "sum does not."};
   figure.formulas = {
       "L_o(v) = ∫_Ω f(l, v) L_i(l) (n·l) \\text{ d}l",
       "L_o ≈ \\frac{2 π}{N_1} \\frac{π}{2 N_2} ∑_i ∑_j f L_i \\, \\op{cos} \\, θ_j \\, \\op{sin} \\, θ_j",
@@ -135,15 +169,7 @@ Figure riemann_monte_carlo(FigureContext& context) {
   });
   context.check_stop();
 
-  const std::array<Method, 4> methods{
-      {{"Monte Carlo, uniform", 16, [](const Reflection& r, int n, std::uint32_t seed) { return r.uniform(n, seed); },
-        Stroke::solid},
-       {"Monte Carlo, importance", 16,
-        [](const Reflection& r, int n, std::uint32_t seed) { return r.importance(n, seed, false); }, Stroke::solid},
-       {"Riemann, N₁ = 4 N₂", 1, [](const Reflection& r, int n, std::uint32_t) { return r.riemann(grid_side(n)); },
-        Stroke::dashed},
-       {"Sobol’, importance", 16,
-        [](const Reflection& r, int n, std::uint32_t seed) { return r.importance(n, seed, true); }, Stroke::solid}}};
+  const std::array<Method, 4> methods = all_methods();
   std::vector<int> counts;
   for (int n = 4; n <= (is_draft ? 4096 : 16384); n *= 4) counts.push_back(n);
   Plot plot{
@@ -155,23 +181,7 @@ Figure riemann_monte_carlo(FigureContext& context) {
   for (const int n : counts) figure.table.head.push_back(fmt::format("N = {}", n));
   for (std::size_t m = 0; m < methods.size(); ++m) {
     const Method& method = methods[m];
-    std::vector<dvec2> errors;
-    for (const int n : counts) {
-      context.check_stop();
-      std::vector<double> squares(points.size());
-      parallel_for(0, points.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-          for (int s = 0; s < method.seeds; ++s) {
-            const std::uint32_t seed = hash_combine(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(s));
-            const double e = method.estimate(points[i], n, seed) / truth[i] - 1.0;
-            squares[i] += e * e / method.seeds;
-          }
-        }
-      });
-      double sum = 0.0;
-      for (const double square : squares) sum += square;
-      errors.emplace_back(n, std::sqrt(sum / static_cast<double>(points.size())));
-    }
+    std::vector<dvec2> errors = method_errors(context, method, points, truth, counts);
     const double slope = logarithmic_slope({errors.begin() + 1, errors.end()});
     std::vector<std::string> row{method.name, fmt::format("−{:.2f}", -slope)};
     for (const dvec2 e : errors) row.push_back(percent_text(e.y));
@@ -191,10 +201,9 @@ Figure samples(FigureContext& context) {
   Figure figure;
   figure.text = {
       "One sample per pixel is right on average and wrong everywhere. Sixteen times as many quarter the error: the "
-      "grain fades and "
-      "nothing else changes. Looking for lights (next-event estimation, weighted against the material’s own samples) "
-      "starts much lower than following the "
-      "material alone, which finds a softbox by luck on rough balls."};
+      "grain fades and nothing else changes. Looking for lights (next-event estimation, weighted against the "
+      "material’s own samples) starts much lower than following the material alone, which finds a softbox by luck on "
+      "rough balls."};
   figure.formulas = {"σ_N = \\frac{σ_1}{\\sqrt{N}}",
                      "L_o ≈ \\frac{1}{N} ∑_k \\frac{f L_i \\, \\op{cos} \\, θ_k}{p(l_k)}"};
   figure.sources = {"Veach & Guibas 1995, Optimally Combining Sampling Techniques for Monte Carlo Rendering",

@@ -60,27 +60,7 @@ View floor_from_above() {
   return view;
 }
 
-Figure falloff_figure(FigureContext& context) {
-  Figure figure;
-  figure.text = {
-      "A small lamp's light spreads over spheres, so it thins with the square of the distance, and never ends. Engines "
-      "let it "
-      "end at a range, so that a lamp need not be asked about everywhere: a window that is 1 nearby and 0 at the "
-      "range. "
-      "glTF's leaves the inverse square untouched below half the range; UE4's adds 1 to d² so that nothing is divided "
-      "by 0, "
-      "which in metres halves the light at one metre. The polynomial is an artist's, not a lamp's.",
-      "The range here is 10 m. Below, a lamp of 60 cd one metre above the left end of a floor of 12 m."};
-  figure.formulas = {"E(d) = \\frac{I}{d^2} \\, \\op{cos} \\, θ",
-                     "w_{\\op{glTF}} = \\op{max}(\\op{min}(1 − (\\frac{d}{R})^4, 1), 0) \\frac{1}{d^2}",
-                     "w_{\\op{UE4}} = \\frac{\\op{saturate}(1 − (\\frac{d}{R})^4)^2}{d^2 + 1} ; "
-                     "w_{\\op{polynomial}} = \\frac{1}{a_0 d^2 + a_1 d + a_2}"};
-  figure.sources = {"Khronos Group, KHR_lights_punctual", "Karis 2013, Real Shading in Unreal Engine 4, eq. 9",
-                    "Segal & Akeley, The OpenGL Graphics System (attenuation)"};
-  figure.functions = {"shade::light_falloff"};
-  figure.commands = {"candela render lamp.glb -o lamp.png --light-falloff ue4"};
-  figure.columns = 2;
-
+void add_falloff_curves(Figure& figure) {
   Plot curves{
       .title = "Fall-off over distance",
       .x = {.label = "distance d, metres", .low = 0.1, .high = 20, .scale = Scale::logarithmic},
@@ -112,7 +92,9 @@ Figure falloff_figure(FigureContext& context) {
   }
   figure.panels = {{"falloff-curves.svg", plot_svg(curves), "Straight lines of slope −2 are inverse squares"},
                    {"falloff-windows.svg", plot_svg(windows), "Divided by the inverse square: the window alone"}};
+}
 
+void add_falloff_pictures(FigureContext& context, Figure& figure) {
   path::Settings settings;
   settings.width = context.pixels(600);
   settings.height = settings.width / 6;
@@ -129,21 +111,42 @@ Figure falloff_figure(FigureContext& context) {
                              is_truth ? "a small lamp" : "error " + percent_text(relative_error(film.beauty, truth)),
                              {"1 m", "3 m", "5 m", "7 m", "9 m", "11 m"}});
   }
+}
+
+Figure falloff_figure(FigureContext& context) {
+  Figure figure;
+  figure.text = {
+      "A small lamp’s light spreads over spheres, so it thins with the square of the distance, and never ends. "
+      "Engines let it end at a range, so that a lamp need not be asked about everywhere: a window that is 1 nearby "
+      "and 0 at the range. glTF’s leaves the inverse square untouched below half the range; UE4’s adds 1 to d² so "
+      "that nothing is divided by 0, which in metres halves the light at one metre. The polynomial is an artist’s, "
+      "not a lamp’s.",
+      "The range here is 10 m. Below, a lamp of 60 cd one metre above the left end of a floor of 12 m."};
+  figure.formulas = {"E(d) = \\frac{I}{d^2} \\, \\op{cos} \\, θ",
+                     "w_{\\op{glTF}} = \\op{max}(\\op{min}(1 − (\\frac{d}{R})^4, 1), 0) \\frac{1}{d^2}",
+                     "w_{\\op{UE4}} = \\frac{\\op{saturate}(1 − (\\frac{d}{R})^4)^2}{d^2 + 1} ; w_{\\op{polynomial}} "
+                     "= \\frac{1}{a_0 d^2 + a_1 d + a_2}"};
+  figure.sources = {"Khronos Group, KHR_lights_punctual", "Karis 2013, Real Shading in Unreal Engine 4, eq. 9",
+                    "Segal & Akeley, The OpenGL Graphics System (attenuation)"};
+  figure.functions = {"shade::light_falloff"};
+  figure.commands = {"candela render lamp.glb -o lamp.png --light-falloff ue4"};
+  figure.columns = 2;
+
+  add_falloff_curves(figure);
+  add_falloff_pictures(context, figure);
   return figure;
 }
 
 Figure color_temperature(FigureContext& context) {
   Figure figure;
   figure.text = {
-      "What glows has the spectrum of its temperature, and the eye reduces any spectrum to three numbers: how much it "
-      "excites three broad bands. Candles are near 1900 K, bulbs near 2700 K, noon near 5500 K, a blue sky beyond 10 "
-      "000 K. "
-      "In the strip each is as bright as a display can be; below 1900 K the colour lies outside of what it can show, "
-      "and "
-      "the missing blue is held at 0."};
+      "What glows has the spectrum of its temperature, and the eye reduces any spectrum to three numbers: how much "
+      "it excites three broad bands. Candles are near 1900 K, bulbs near 2700 K, noon near 5500 K, a blue sky beyond "
+      "10 000 K. In the strip each is as bright as a display can be; below 1900 K the colour lies outside of what it "
+      "can show, and the missing blue is held at 0."};
   figure.formulas = {"L_λ(T) = \\frac{2 h c^2}{λ^5} \\frac{1}{\\op{exp}(\\frac{h c}{λ k T}) − 1}",
-                     "X = ∫ L_λ \\op{x̄}(λ) \\text{ d}λ ; Y = ∫ L_λ \\op{ȳ}(λ) \\text{ d}λ ; Z = ∫ L_λ "
-                     "\\op{z̄}(λ) \\text{ d}λ"};
+                     "X = ∫ L_λ \\op{x̄}(λ) \\text{ d}λ ; Y = ∫ L_λ \\op{ȳ}(λ) \\text{ d}λ ; Z = ∫ L_λ \\op{z̄}(λ) "
+                     "\\text{ d}λ"};
   figure.sources = {"Planck 1901, Ueber das Gesetz der Energieverteilung im Normalspectrum",
                     "CIE 15:2004, Colorimetry, table T.4", "ITU-R BT.709-6"};
   figure.functions = {"planck", "cie_xyz", "blackbody_color"};

@@ -15,13 +15,11 @@ Figure blinn_phong(FigureContext& context) {
   Figure figure;
   figure.text = {
       "One scene, one light, six sets of formulas. Blinn–Phong without a microfacet denominator knows neither the "
-      "horizon nor "
-      "the energy of its lobe: metals go black but for the perfect mirror. The engines' models differ from each other "
-      "in the "
-      "shade of a rough ball; what all of them lose is the light that bounces from facet to facet.",
+      "horizon nor the energy of its lobe: metals go black but for the perfect mirror. The engines’ models differ "
+      "from each other in the shade of a rough ball; what all of them lose is the light that bounces from facet to "
+      "facet.",
       "Rows from the top: ivory, cobalt, gold, iron; roughness 0 to 1 from left to right. The error is the relative "
-      "RMS "
-      "difference from the energy-conserving model."};
+      "RMS difference from the energy-conserving model."};
   figure.formulas = {"f_{\\op{Blinn–Phong}} = \\frac{k_d}{π} + k_s (n·h)^m",
                      "f_{\\op{Cook–Torrance}} = k_d \\frac{ρ}{π} + \\frac{D F G}{4 (n·l) (n·v)}"};
   figure.sources = {"Blinn 1977, Models of Light Reflection for Computer Synthesized Pictures",
@@ -43,7 +41,7 @@ Figure blinn_phong(FigureContext& context) {
   };
   const std::array<Named, 6> models{{{"candela", "candela: GGX, correlated Smith, multiple scattering"},
                                      {"blinn-phong", "blinn-phong: a cosine power, no denominator"},
-                                     {"learnopengl", "learnopengl: GGX, Schlick's G, no multiple scattering"},
+                                     {"learnopengl", "learnopengl: GGX, Schlick’s G, no multiple scattering"},
                                      {"ue4", "ue4: the same with a diffuse layer that is not dimmed"},
                                      {"gltf", "gltf: as the specification prints it"},
                                      {"thesis", "thesis: Beckmann"}}};
@@ -124,11 +122,10 @@ Figure workflows(FigureContext& context) {
   figure.text = {
       "Both workflows say the same two things: the reflectance at normal incidence and the albedo below it. What the "
       "metallic one names can always be said in the other, and at the ends of its slider the pictures agree. Between "
-      "them "
-      "they do not quite: a half metal is a mixture of two surfaces, and the converted one is one surface with the F₀ "
-      "of the mixture.",
-      "The other way not everything can be said: a coloured reflection over a diffuse layer of another hue has no base "
-      "colour. The nearest is taken, and the residual is what is lost of either colour at most."};
+      "them they do not quite: a half metal is a mixture of two surfaces, and the converted one is one surface with "
+      "the F₀ of the mixture.",
+      "The other way not everything can be said: a coloured reflection over a diffuse layer of another hue has no "
+      "base colour. The nearest is taken, and the residual is what is lost of either colour at most."};
   figure.formulas = {
       "F_0 = \\op{mix}(0.04, \\op{base}, m) = \\op{specular}",
       "c_{\\op{diffuse}} = \\op{base} (1 − m) (1 − 0.04) = \\op{diffuse} (1 − \\op{max} \\, \\op{specular})",
@@ -178,10 +175,8 @@ Figure global_illumination(FigureContext& context) {
   Figure figure;
   figure.text = {
       "With one bounce the lamp lights what it sees and everything else is black, the ceiling too. The second brings "
-      "the "
-      "colours of the walls onto the blocks; each further one adds about half of what the one before it did. The share "
-      "is "
-      "of the mean luminance of the picture, the lamp in it included, with 32 bounces."};
+      "the colours of the walls onto the blocks; each further one adds about half of what the one before it did. The "
+      "share is of the mean luminance of the picture, the lamp in it included, with 32 bounces."};
   figure.formulas = {"L_o = L_e + ∫_Ω f L_i (n·l) \\text{ d}l", "L = L_e + T L_e + T^2 L_e + …"};
   figure.sources = {
       "Kajiya 1986, The Rendering Equation",

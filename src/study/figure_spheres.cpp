@@ -100,8 +100,8 @@ Figure roughness_dielectric(FigureContext& context) {
 Figure roughness_metal(FigureContext& context) {
   Figure figure;
   figure.text = {
-      "Gold. A metal has no diffuse layer: all that is seen is its reflection, from a mirror to a satin whose "
-      "light has bounced several times between the facets and is the more saturated for it."};
+      "Gold. A metal has no diffuse layer: all that is seen is its reflection, from a mirror to a satin whose light "
+      "has bounced several times between the facets and is the more saturated for it."};
   figure.formulas = {"α = r^2"};
   figure.sources = {"Burley 2012, Physically-Based Shading at Disney", kKaris};
   figure.functions = {"path::render", "raster::Session::draw"};
@@ -115,8 +115,7 @@ Figure f0_row(FigureContext& context) {
   figure.text = {
       "The reflectance of the boundary at normal incidence, over black. Dielectrics live at the far left: water "
       "0.02, plastic and glass 0.04, gems up to 0.17. Metals begin at about 0.5. Between is next to nothing in "
-      "nature but germanium and silicon. Even F₀ = 0 keeps a rim, for at the "
-      "horizon everything reflects."};
+      "nature but germanium and silicon. Even F₀ = 0 keeps a rim, for at the horizon everything reflects."};
   figure.formulas = {"F(v·h) = F_0 + (1 − F_0) (1 − v·h)^5", "F_0 = ( \\frac{n_1 − n_2}{n_1 + n_2} )^2"};
   figure.sources = {"Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering", kGltf};
   figure.functions = {"path::render with Material::specular_color"};
@@ -133,9 +132,9 @@ Figure f0_row(FigureContext& context) {
 Figure metallic_row(FigureContext& context) {
   Figure figure;
   figure.text = {
-      "One base colour, read as the albedo of a diffuse layer at 0 and as the F₀ of a metal at 1. Values between "
-      "are for the edges of textures, where a pixel holds some of both: Candela mixes the two whole materials, "
-      "never their F₀."};
+      "One base colour, read as the albedo of a diffuse layer at 0 and as the F₀ of a metal at 1. Values between are "
+      "for the edges of textures, where a pixel holds some of both: Candela mixes the two whole materials, never "
+      "their F₀."};
   figure.formulas = {"F_0 = \\op{mix}(0.04, \\op{base colour}, \\op{metallic})",
                      "f = (1 − m) f_{\\op{dielectric}} + m f_{\\op{metal}}"};
   figure.sources = {kGltf, kKaris};
@@ -163,8 +162,8 @@ std::string color_text(vec3 c) { return fmt::format("{:.2g}", luminance(c)); }
 
 const std::array kParameters{
     Parameter{"row-metallic", "Metallic", "pbrMetallicRoughness.metallicFactor", "0 to 1, default 1",
-              "Whether the base colour is that of a diffuse layer below a boundary of index 1.5, or the reflectance of "
-              "a metal.",
+              "Whether the base colour is that of a diffuse layer below a boundary of index 1.5, or the reflectance "
+              "of a metal.",
               "f = (1 − m) f_{\\op{dielectric}} + m f_{\\op{metal}}", kGltf,
               [](const Material& m) { return two_digits(m.metallic); }},
     Parameter{"row-roughness", "Roughness of a dielectric", "pbrMetallicRoughness.roughnessFactor", "0 to 1, default 1",
@@ -173,19 +172,19 @@ const std::array kParameters{
               [](const Material& m) { return two_digits(m.roughness); }},
     Parameter{"row-roughness-metal", "Roughness of a metal", "pbrMetallicRoughness.roughnessFactor",
               "0 to 1, default 1",
-              "The same on gold. What bounces between facets is not lost: rough metals keep their brightness and gain "
-              "colour.",
+              "The same on gold. What bounces between facets is not lost: rough metals keep their brightness and "
+              "gain colour.",
               "D(h) = \\frac{α^2}{π ((n·h)^2 (α^2 − 1) + 1)^2} ; α = r^2",
               "Kulla & Conty 2017, Revisiting Physically Based Shading at Imageworks",
               [](const Material& m) { return two_digits(m.roughness); }},
-    Parameter{
-        "row-ior", "Index of refraction", "KHR_materials_ior.ior", "1 and above, or 0 for full reflection; default 1.5",
-        "How much slower light is inside than in air, and so how much the boundary reflects: air 1, water 1.33, glass "
-        "1.5, sapphire 1.76, diamond 2.42.",
-        "F_0 = ( \\frac{n − 1}{n + 1} )^2", "Born & Wolf 1999, Principles of Optics, §1.5",
-        [](const Material& m) { return fmt::format("{:.3g}", m.ior); }},
+    Parameter{"row-ior", "Index of refraction", "KHR_materials_ior.ior",
+              "1 and above, or 0 for full reflection; default 1.5",
+              "How much slower light is inside than in air, and so how much the boundary reflects: air 1, water 1.33, "
+              "glass 1.5, sapphire 1.76, diamond 2.42.",
+              "F_0 = ( \\frac{n − 1}{n + 1} )^2", "Born & Wolf 1999, Principles of Optics, §1.5",
+              [](const Material& m) { return fmt::format("{:.3g}", m.ior); }},
     Parameter{"row-specular", "Specular", "KHR_materials_specular.specularFactor", "0 to 1, default 1",
-              "Takes the boundary of a dielectric away, as an artist's means for cavities and cloth.",
+              "Takes the boundary of a dielectric away, as an artist’s means for cavities and cloth.",
               "F = s ( F_0 + (1 − F_0) (1 − v·h)^5 )", "Khronos Group, KHR_materials_specular",
               [](const Material& m) { return two_digits(m.specular); }},
     Parameter{"row-clearcoat", "Clearcoat", "KHR_materials_clearcoat.clearcoatFactor", "0 to 1, default 0",
@@ -286,8 +285,8 @@ const std::array kParameters{
               [](const Material& m) { return fmt::format("k {:.2g}", m.conductor_k.x); }},
     Parameter{"row-specular-glossiness", "Specular and glossiness", "KHR_materials_pbrSpecularGlossiness",
               "0 to 1, default 1",
-              "The other workflow: a reflection of any colour over a diffuse layer of any colour, here from a "
-              "matt blue plastic to a gilt mirror by way of what the metallic workflow cannot say.",
+              "The other workflow: a reflection of any colour over a diffuse layer of any colour, here from a matt "
+              "blue plastic to a gilt mirror by way of what the metallic workflow cannot say.",
               "F_0 = \\op{specular} , r = 1 − \\op{glossiness}", "Khronos Group, KHR_materials_pbrSpecularGlossiness",
               [](const Material& m) { return two_digits(1.0f - m.roughness); }},
     Parameter{"row-lobes", "All together", "", "",
