@@ -40,11 +40,13 @@ std::size_t write_parameter_pages(const std::filesystem::path& folder, const std
 
 std::vector<FigureInfo> choose_figures(const std::vector<std::string>& names) {
   std::vector<FigureInfo> all = figures();
-  for (const std::string& name : names) {
-    if (std::any_of(all.begin(), all.end(), [&](const FigureInfo& info) { return info.name == name; })) continue;
+  const auto unknown = std::find_if_not(names.begin(), names.end(), [&all](const std::string& name) {
+    return std::any_of(all.begin(), all.end(), [&name](const FigureInfo& info) { return info.name == name; });
+  });
+  if (unknown != names.end()) {
     std::string known;
     for (const FigureInfo& info : all) known.append(known.empty() ? "" : ", ").append(info.name);
-    throw Error("no figure \"" + name + "\"; there are " + known);
+    throw Error("no figure \"" + *unknown + "\"; there are " + known);
   }
   if (names.empty()) return all;
   std::vector<FigureInfo> chosen;
