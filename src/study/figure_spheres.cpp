@@ -3,7 +3,7 @@
 #include <array>
 
 #include "io/demo.h"
-#include "scene/environment.h"
+#include "scene/metals.h"
 #include "study/figure.h"
 
 // Rows of balls: the four of the textbooks, and one for every parameter of the material.
@@ -158,6 +158,12 @@ struct Parameter {
 };
 
 std::string two_digits(float v) { return fmt::format("{:.2g}", v); }
+std::string metal_name(const Material& material) {
+  for (const Metal& metal : metals()) {
+    if (metal.n == material.conductor_n && metal.k == material.conductor_k) return std::string(metal.name);
+  }
+  return {};
+}
 std::string color_text(vec3 c) { return fmt::format("{:.2g}", luminance(c)); }
 
 const std::array kParameters{
@@ -281,8 +287,7 @@ const std::array kParameters{
     Parameter{"row-conductor", "Measured metals", "extras.candela.conductor", "n and k per primary",
               "Silver, aluminium, titanium, iron, brass, copper and gold by their complex index.",
               "F_0 = \\frac{(n − 1)^2 + k^2}{(n + 1)^2 + k^2}",
-              "Johnson & Christy 1974, Optical constants of transition metals",
-              [](const Material& m) { return fmt::format("k {:.2g}", m.conductor_k.x); }},
+              "Johnson & Christy 1974, Optical constants of transition metals", metal_name},
     Parameter{"row-specular-glossiness", "Specular and glossiness", "KHR_materials_pbrSpecularGlossiness",
               "0 to 1, default 1",
               "The other workflow: a reflection of any colour over a diffuse layer of any colour, here from a matt "

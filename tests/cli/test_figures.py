@@ -119,6 +119,13 @@ class Figures(CliTest):
         width, height, _, _ = candela.png_pixels(out / "row-roughness.png")
         self.assertEqual(width, 6 * height)
 
+    def test_metals_stand_below_their_balls(self):
+        self.succeeds("figures", "-o", "out", "--only", "row-conductor", "--quality", "draft", "--spp", "1", "-q")
+        text = (self.folder / "out/parameter-row-conductor.html").read_text(encoding="utf-8")
+        scale = re.search(r'<div class="scale">(.*?)</div>', text).group(1)
+        names = re.findall(r"<span>(.*?)</span>", scale)
+        self.assertEqual(names, ["silver", "aluminium", "titanium", "iron", "brass", "copper", "gold"])
+
     def test_errors_are_printed_below_the_pictures(self):
         self.succeeds("figures", "-o", "out", "--only", "gamma", "--quality", "draft", "--spp", "4", "-q")
         text = (self.folder / "out/index.html").read_text(encoding="utf-8")
