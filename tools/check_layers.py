@@ -22,7 +22,7 @@ ALLOWED = {
     "ibl": {"scene", "shade", "image", "math", "base"},
     "gl": {"math", "base"},
     "raster": {"gl", "ibl", "scene", "shade", "image", "math", "base"},
-    "study": {"ibl", "path", "scene", "shade", "image", "math", "base"},
+    "study": {"raster", "ibl", "path", "io", "scene", "shade", "image", "math", "base"},
     "candela": {"raster", "path", "io", "scene", "image", "math", "base"},
 }
 

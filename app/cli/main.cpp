@@ -38,8 +38,8 @@ int fail(int code, const std::string& message, const std::string& hint = {}) {
 
 std::string usage_hint(int argc, char** argv) {
   const std::string_view verb = argc > 1 ? argv[1] : "";
-  const bool known =
-      verb == "render" || verb == "info" || verb == "furnace" || verb == "bake" || verb == "check" || verb == "view";
+  const bool known = verb == "render" || verb == "info" || verb == "furnace" || verb == "bake" || verb == "check" ||
+                     verb == "figures" || verb == "view";
   return std::string("Try 'candela ") + (known ? std::string(verb) + " " : "") + "--help'.\n";
 }
 
@@ -80,6 +80,7 @@ int run(int argc, char** argv) {
   const Verb bake = add_bake(app);
   const Verb check = add_check(app);
   const Verb view = add_view(app);
+  const Verb figures = add_figures(app);
   app.footer("`candela VERB --help` tells more, with examples.");  // last, because verbs inherit it
 
   try {
@@ -89,8 +90,9 @@ int run(int argc, char** argv) {
     if (app.got_subcommand("furnace")) return furnace(), kDone;
     if (app.got_subcommand("bake")) return bake(), kDone;
     if (app.got_subcommand("check")) return check(), kDone;
+    if (app.got_subcommand("figures")) return figures(), kDone;
     if (app.got_subcommand("view")) return view(), kDone;
-    throw UsageError("no verb given: render, view, info, furnace, bake or check");
+    throw UsageError("no verb given: render, view, info, check, furnace, bake or figures");
   } catch (const CLI::CallForHelp&) {
     print(app.help());
     return kDone;

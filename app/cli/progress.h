@@ -20,6 +20,7 @@ class ProgressLine {
   void update(const path::Progress& progress);
   void line(const std::string& text);  ///< stays on the screen
   void warn(const Diagnostic& warning);
+  bool is_live() const { return terminal_; }  ///< phase() is seen
 
  private:
   void show(const std::string& text);

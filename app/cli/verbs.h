@@ -13,6 +13,7 @@ Verb add_furnace(CLI::App& app);
 Verb add_bake(CLI::App& app);
 Verb add_check(CLI::App& app);
 Verb add_view(CLI::App& app);
+Verb add_figures(CLI::App& app);
 
 /// Writes `text` to standard output; throws Error where that fails (a full disk behind a redirection).
 void print(const std::string& text);

@@ -17,6 +17,7 @@ class Usage(CliTest):
         text = self.succeeds("--help").out
         self.assertIn("render", text)
         self.assertIn("info", text)
+        self.assertIn("figures", text)
 
     def test_render_help_has_every_option_examples_and_scenes(self):
         text = self.succeeds("render", "--help").out

@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "candela/candela.h"
+#include "cli/interrupt.h"
+#include "cli/option.h"
+#include "cli/output.h"
+#include "cli/progress.h"
+#include "cli/values.h"
+#include "cli/verbs.h"
+#include "study/figure_book.h"
+
+namespace candela::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct FigureOptions {
+  std::string output;
+  std::vector<study::FigureInfo> chosen;
+  study::FigureSettings settings;
+  std::string quality = "final";
+  int samples = 0;  ///< 0 = as the quality says
+  int threads = 0;
+  bool quiet = false;
+};
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+std::string parse_quality(const std::string& text) {
+  if (text == "draft" || text == "final") return text;
+  throw UsageError("\"" + text + "\" is neither draft nor final");
+}
+
+study::FigureSettings settings_of(const FigureOptions& o) {
+  const bool is_draft = o.quality == "draft";
+  study::FigureSettings settings;
+  settings.samples = o.samples > 0 ? o.samples : is_draft ? 8 : 64;
+  settings.reference = 8 * settings.samples;
+  settings.size = is_draft ? 0.5f : 1.0f;
+  settings.stop = &Interrupt::requested();
+  return settings;
+}
+
+/// "chapter: name, name", each from a line of its own.
+std::string list_text() {
+  constexpr std::size_t kColumns = 100;
+  std::string text;
+  std::size_t column = 0;
+  const study::FigureInfo* last = nullptr;
+  const std::vector<study::FigureInfo> all = study::figures();
+  for (const study::FigureInfo& info : all) {
+    const bool is_new = last == nullptr || info.chapter != last->chapter;
+    const bool is_full = column + info.name.size() + 2 > kColumns;
+    const std::string before = is_new    ? fmt::format("\n  {}: ", study::chapter_title(info.chapter))
+                               : is_full ? ",\n    "
+                                         : ", ";
+    column = (is_new || is_full ? before.size() : column + before.size()) + info.name.size();
+    text += before + info.name;
+    last = &info;
+  }
+  return text;
+}
+
+void run_figures(const FigureOptions& o) {
+  const auto start = std::chrono::steady_clock::now();
+  const fs::path folder = o.output;
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code) throw Error("cannot be made: " + code.message(), folder.string());
+  check_writable(folder / "index.html");
+
+  ProgressLine progress(o.quiet);
+  const ThreadLimit limit(o.threads);
+  const Interrupt interrupt;
+  const study::FigureSettings settings = settings_of(o);
+  const std::string note = fmt::format("Candela {}, --quality {}: {} samples per pixel, {} in references.", version(),
+                                       o.quality, settings.samples, settings.reference);
+  Diagnostics diagnostics;
+  std::size_t told = 0;
+  const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  double next_line = 10.0;
+  const auto tell_warnings = [&] {
+    for (; told < diagnostics.warnings().size(); ++told) progress.warn(diagnostics.warnings()[told]);
+  };
+  const auto tell = [&](const study::BookProgress& p) {
+    tell_warnings();
+    const std::string text = fmt::format("figure {} of {}: {}", p.index + 1, p.count, p.figure);
+    progress.phase(text);
+    if (seconds() < next_line) return;
+    next_line = seconds() + 10.0;
+    if (!progress.is_live()) progress.line(text);
+  };
+  const study::BookResult result = study::write_figures(folder, o.chosen, settings, note, diagnostics, tell);
+  tell_warnings();
+  progress.line(fmt::format("{}: {}{} figure{}, {} files in {}", (folder / "index.html").string(),
+                            result.stopped ? "interrupted; " : "", result.figures, result.figures == 1 ? "" : "s",
+                            result.files, duration_text(seconds())));
+}
+
+}  // namespace
+
+Verb add_figures(CLI::App& app) {
+  const auto options = std::make_shared<FigureOptions>();
+  FigureOptions& o = *options;
+  CLI::App* verb =
+      app.add_subcommand("figures", "Make the figures of physically based shading, as pages to read")->group("Verbs");
+  verb->add_option("-o,--output", o.output, "The folder, made where it is absent; begin at its index.html")
+      ->type_name("DIR")
+      ->required();
+  add_value(
+      verb, "--only", "NAMES", o.chosen, [](const std::string& text) { return study::choose_figures(split(text)); },
+      "These figures alone, separated by commas");
+  add_value(verb, "--quality", "NAME", o.quality, parse_quality,
+            "final: minutes; draft: half as wide, 8 samples [final]");
+  add_value(verb, "--spp", "N", o.samples, count_within(1, 65536),
+            "Samples per pixel, eight times as many in references [64]");
+  add_value(verb, "--threads", "N", o.threads, count_within(1, 1024), "Default: all the machine has");
+  verb->add_flag("-q,--quiet", o.quiet, "No progress on standard error");
+  verb->footer(
+      "Figures:" + list_text() +
+      "\n\nExamples:\n  candela figures -o figures\n  candela figures -o figures --only ndf-ggx,fresnel-metals\n"
+      "  candela figures -o draft --quality draft");
+  return [options] {
+    if (options->output.empty()) throw UsageError("--output: the folder needs a name");
+    if (options->chosen.empty()) options->chosen = study::choose_figures({});
+    run_figures(*options);
+  };
+}
+
+}  // namespace candela::cli
