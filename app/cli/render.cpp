@@ -471,6 +471,7 @@ std::string raster_stats_json(const RenderOptions& o, const raster::Statistics& 
                               {"compile_s", s.compile_s},
                               {"shadow_s", s.shadow_s},
                               {"frame_s", s.frame_s},
+                              {"draw_s", s.draw_s},
                               {"write_s", times.write_s},
                               {"total_s", times.total_s},
                               {"cpu_s", cpu_seconds(usage)},

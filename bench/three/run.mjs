@@ -1,7 +1,8 @@
 #!/usr/bin/env node
-// How long three.js takes for a frame in headless Chromium without a GPU, on the view that Candela frames by default.
+// How long three.js takes for a frame in headless Chromium without a GPU, on the view of
+// `candela render MODEL.glb --env ENV.hdr --eye EYE --target 0,0,0 --fov 45deg`.
 //
-//     cd bench/three && npm install && node run.mjs MODEL.glb ENV.hdr [WxH] [CHROMIUM]
+//     cd bench/three && npm install && node run.mjs MODEL.glb ENV.hdr [EYE] [WxH] [CHROMIUM]
 //
 // Prints the median of ten frames, each read back, without and with multisampling.
 import http from "node:http";
@@ -9,9 +10,9 @@ import fs from "node:fs";
 import path from "node:path";
 import puppeteer from "puppeteer-core";
 
-const [model, env, size = "1280x720", chromium = "/usr/bin/chromium"] = process.argv.slice(2);
+const [model, env, eye = "1,0.66,1.5", size = "1280x720", chromium = "/usr/bin/chromium"] = process.argv.slice(2);
 if (!env) {
-  console.error("usage: node run.mjs MODEL.glb ENV.hdr [WxH] [CHROMIUM]");
+  console.error("usage: node run.mjs MODEL.glb ENV.hdr [EYE] [WxH] [CHROMIUM]");
   process.exit(2);
 }
 const [width, height] = size.split("x").map(Number);
@@ -33,14 +34,9 @@ const hdr = await new RGBELoader().loadAsync("/env");
 hdr.mapping = THREE.EquirectangularReflectionMapping;
 scene.background = scene.environment = hdr;
 scene.add((await new GLTFLoader().loadAsync("/model")).scene);
-// The box from 35 degrees aside and 20 above, as large as the picture allows.
-const box = new THREE.Box3().setFromObject(scene);
-const sphere = box.getBoundingSphere(new THREE.Sphere());
-const camera = new THREE.PerspectiveCamera(45, ${width} / ${height}, sphere.radius * 0.01, sphere.radius * 20);
-const a = 35 * Math.PI / 180, e = 20 * Math.PI / 180;
-const back = new THREE.Vector3(Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e));
-camera.position.copy(sphere.center).addScaledVector(back, sphere.radius / Math.sin(22.5 * Math.PI / 180) * 0.9);
-camera.lookAt(sphere.center);
+const camera = new THREE.PerspectiveCamera(45, ${width} / ${height}, 0.01, 100);
+camera.position.set(${eye});
+camera.lookAt(0, 0, 0);
 const gl = renderer.getContext(), pixel = new Uint8Array(4);
 const frame = () => {
   const t = performance.now();

@@ -163,7 +163,10 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
     } else if (is_still && renderer.has_extended_lights()) {
       renderer.begin(view, light_point(frame, settings.frames));
     }
+    Stopwatch drawing;
     renderer.draw(view, jitter, lens);
+    glFinish();
+    s.draw_s += drawing.lap();
     const Image picture = renderer.read();
     const float share = 1.0f / static_cast<float>(settings.frames);
     for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {

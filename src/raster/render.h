@@ -53,6 +53,7 @@ struct Statistics {
   double shadow_s = 0.0;
   double compile_s = 0.0;  ///< the first frame, which nobody sees
   double frame_s = 0.0;    ///< all frames, reading back included
+  double draw_s = 0.0;     ///< of that until the driver has finished drawing
   int frames = 0;
   int programs = 0;
   std::uint64_t triangles = 0;

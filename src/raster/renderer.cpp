@@ -486,6 +486,27 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
   gpu_.draw(first, count);
 }
 
+/// Only what is seen is shaded afterwards. Masks, which would be cut out twice, wait.
+void Renderer::draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera) {
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  for (const std::size_t i : order) {
+    const Draw& d = gpu_.draws()[i];
+    const GpuMaterial& material = gpu_.material_of(d);
+    if (material.key.alpha_mode == AlphaMode::mask || is_outside(camera.clip_from_world, d.bounds)) continue;
+    if (material.is_double_sided) {
+      glDisable(GL_CULL_FACE);
+    } else {
+      glEnable(GL_CULL_FACE);
+      glCullFace(GL_BACK);
+    }
+    const gl::Program& program = programs_.depth(material.key);
+    glUseProgram(program.id());
+    glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &camera.clip_from_world[0][0]);
+    gpu_.draw(i);
+  }
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
 void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera) {
   std::vector<bool> is_wanted(gpu_.draws().size(), false);
   for (const std::size_t i : order) is_wanted[i] = !is_outside(camera.clip_from_world, gpu_.draws()[i].bounds);
@@ -582,6 +603,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   }
   pass.has_coverage = settings_.msaa > 1;
   pass.has_occlusion = has_occlusion;
+  draw_depth(opaque, camera);
   if (pass.has_coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   draw_surfaces(opaque, pass, camera);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);

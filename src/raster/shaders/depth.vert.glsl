@@ -7,6 +7,8 @@ layout(location = 7) in vec4 a_world_2;
 
 uniform mat4 clip_from_world;
 
+invariant gl_Position;
+
 out vec4 v_uv;
 out float v_alpha;
 

@@ -44,7 +44,7 @@ float shadow_distance(int layer, float depth) {
 /// this radius (of a directional one: tangent of its angular radius). 0 where nothing does. Fernando 2005,
 /// "Percentage-Closer Soft Shadows".
 float shadow_penumbra(int layer, vec3 at, vec2 tilt, float receiver, float radius, float turn) {
-  const int kTaps = 16;
+  const int kTaps = 12;
   bool is_perspective = shadow_texel[layer].y > 0.5;
   float size = float(textureSize(shadow_depths, 0).x);
   float width = shadow_texel[layer].x * size;  // metres, of a perspective one at distance 1
@@ -68,7 +68,7 @@ float shadow_penumbra(int layer, vec3 at, vec2 tilt, float receiver, float radiu
 }
 
 float shadow_softly(int layer, vec3 at, vec2 tilt, float radius) {
-  const int kTaps = 24;
+  const int kTaps = 16;
   float turn = 6.2831853 * fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))) + soft.y);
   float size = float(textureSize(shadow_depths, 0).x);
   float penumbra = shadow_penumbra(layer, at, tilt, shadow_distance(layer, at.z), radius, turn);
@@ -112,8 +112,9 @@ float shadow_in(int layer, vec3 position, vec3 normal, float n_dot_l, float radi
   vec3 at = clip.xyz / clip.w * 0.5 + 0.5;
   if (clip.w <= 0.0 || any(lessThan(at, vec3(0.0))) || any(greaterThan(at, vec3(1.0)))) return 1.0;
 #ifdef HAS_SOFT_SHADOWS
+  // Of a picture of many frames each has a hard shadow from a point of its own.
   radius *= soft.z;
-  if (radius > 0.0) {
+  if (radius > 0.0 && soft.z > 0.18) {
     vec3 moved = position + normal * (texel * (0.6 + 1.6 * slope));
     return shadow_softly(layer, at, shadow_tilt(layer, at, moved, normal, 4.0 * texel), radius);
   }

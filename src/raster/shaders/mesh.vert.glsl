@@ -9,6 +9,8 @@ layout(location = 5) in vec4 a_world_0;  // rows of world_from_object
 layout(location = 6) in vec4 a_world_1;
 layout(location = 7) in vec4 a_world_2;
 
+invariant gl_Position;  // so that depths drawn before are met again
+
 out vec3 v_position;
 out vec3 v_normal;
 out vec4 v_uv;
