@@ -238,10 +238,8 @@ Scene make_relief() {
   ball.base_color = vec3(0.56f, 0.57f, 0.58f);
   ball.roughness = 0.15f;
   builder.node("ball", builder.mesh("ball", sphere(0.22f), builder.material(ball)), translation({-0.25f, 0.2f, -0.1f}));
-  builder.camera({1.1f, 0.75f, 1.5f}, {0.0f, 0.02f, 0.0f}, 40.0f, 16.0f / 9.0f);
-  Scene scene = builder.finish("sky:22", 1.0f);
-  scene.preferred_exposure.reset();  // a sky is metered
-  return scene;
+  builder.camera({1.5f, 1.0f, 2.1f}, {0.0f, -0.03f, 0.0f}, 42.0f, 16.0f / 9.0f);
+  return builder.finish("sky:22", 0.57f);
 }
 
 const std::vector<DemoInfo>& demos() {

@@ -106,7 +106,8 @@ void validate_material(const Scene& scene, const Material& m, const std::string&
   const bool volume_finite = is_finite(m.transmission) && is_finite(m.thickness) && m.attenuation_distance > 0.0f &&
                              is_finite(m.attenuation_color) && is_finite(m.dispersion) &&
                              is_finite(m.diffuse_transmission) && is_finite(m.diffuse_transmission_color) &&
-                             is_finite(m.multiscatter_color) && is_finite(m.scatter_anisotropy);
+                             is_finite(m.multiscatter_color) && is_finite(m.scatter_anisotropy) &&
+                             is_finite(m.height_scale) && is_finite(m.height_level);
   require(numbers_finite && layers_finite && volume_finite, "a factor is not finite", where);
   validate_ranges(m, where);
   for (const TextureSlot* slot : texture_slots(m)) {

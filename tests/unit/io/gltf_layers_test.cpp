@@ -293,6 +293,25 @@ TEST(unit_io_gltf_layers, extras_may_name_a_measured_metal) {
   EXPECT_FALSE(loaded.scene.materials.at(0).is_conductor());
 }
 
+TEST(unit_io_gltf_layers, extras_may_have_a_height_map) {
+  const auto extras = [](const json& height) {
+    Builder b = with_material({{"name", "test"}, {"extras", {{"candela", {{"heightTexture", height}}}}}});
+    b.root["images"] = {{{"uri", "data:image/png;base64," + base64(tiny_png())}}};
+    b.root["textures"] = {{{"source", 0}}};
+    return b;
+  };
+  const Loaded loaded = load(extras({{"index", 0}, {"scale", 0.25}, {"level", 0.5}}));
+  EXPECT_TRUE(loaded.warnings.empty());
+  const Material& m = loaded.scene.materials.at(0);
+  EXPECT_TRUE(m.height_texture);
+  EXPECT_EQ(m.height_scale, 0.25f);
+  EXPECT_EQ(m.height_level, 0.5f);
+  EXPECT_TRUE(load(extras({{"index", 0}})).warned("has no scale above 0"));
+  EXPECT_FALSE(load(extras({{"index", 0}})).scene.materials.at(0).height_texture);
+  EXPECT_TRUE(load(extras({{"index", 0}, {"scale", 1}, {"level", 2}})).warned("level 2 becomes 1"));
+  EXPECT_THAT(error_of(extras({{"index", 3}, {"scale", 1}})), HasSubstr("texture 3 does not exist"));
+}
+
 TEST(unit_io_gltf_layers, what_extensions_exclude_is_left_out_and_told) {
   json material = {{"name", "test"},
                    {"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}}},
