@@ -87,6 +87,7 @@ double frame_ms(int width, int height) {
   glUseProgram(program.id());
   const std::vector<gl::Texture> maps = [] {
     std::vector<gl::Texture> all;
+    all.reserve(4);
     for (int i = 0; i < 3; ++i) all.push_back(flat_map(2048));
     all.push_back(flat_map(64));
     return all;

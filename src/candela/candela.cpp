@@ -96,6 +96,7 @@ std::vector<vec3> spread(const Box3& bounds, int count) {
     boxes.push_back(upper);
   }
   std::vector<vec3> middles;
+  middles.reserve(boxes.size());
   for (const Box3& box : boxes) middles.push_back(box.center());
   return middles;
 }

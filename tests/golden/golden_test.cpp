@@ -56,8 +56,8 @@ std::vector<Case> cases() {
 
 class golden_sensitivity : public test::NeedsGl {};  // NOLINT(readability-identifier-naming): as its suite
 
-class golden : public test::NeedsGl,
-               public testing::WithParamInterface<Case> {};  // NOLINT(readability-identifier-naming)
+// NOLINTNEXTLINE(readability-identifier-naming): as its suite
+class golden : public test::NeedsGl, public testing::WithParamInterface<Case> {};
 
 /// What a display shows, linear.
 Image shown(const DisplayImage& display) {
