@@ -1,3 +1,5 @@
+#include <string>
+
 #include "base/error.h"
 #include "io/gltf.h"
 
@@ -14,6 +16,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!info.variants.empty()) {
       options.variant = info.variants.front();
       scene = io::load_gltf(bytes, {}, diagnostics, options);
+    }
+    if (!info.animations.empty()) {
+      io::GltfFile file({bytes.begin(), bytes.end()}, {}, "fuzz", diagnostics, options);
+      scene = file.scene(diagnostics, io::Pose{"all", 0.4});
     }
     // Pixels are all that validate() may miss.
     scene.images.clear();

@@ -23,6 +23,10 @@ bool loads(std::span<const std::byte> bytes) {
     for (std::size_t i = 0; i < std::min<std::size_t>(info.variants.size(), 2); ++i) {
       validate(load_gltf(bytes, {}, diagnostics, LoadOptions{.variant = info.variants[i]}));
     }
+    if (!info.animations.empty()) {
+      GltfFile file({bytes.begin(), bytes.end()}, {}, "mutant", diagnostics);
+      for (const double moment : {0.0, 0.4}) validate(file.scene(diagnostics, Pose{"all", moment}));
+    }
     return true;
   } catch (const Error& error) {
     EXPECT_FALSE(error.message().empty());

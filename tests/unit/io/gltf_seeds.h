@@ -49,6 +49,37 @@ inline std::string tiny_ies() {
 }
 
 /// Small files that together touch every part of the loader: what mutation and fuzzing start from.
+/// A triangle with a skin and a morph target that every kind of channel and interpolation moves, and instances of it.
+inline Builder moving() {
+  Builder b = triangle();
+  const int up = b.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1});
+  const int joints = b.accessor(std::vector<std::uint8_t>(12, 0), "VEC4", 5121, 4);
+  const int weights = b.vec4s({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  primitive(b)["targets"] = {{{"POSITION", up}}};
+  primitive(b)["attributes"]["JOINTS_0"] = joints;
+  primitive(b)["attributes"]["WEIGHTS_0"] = weights;
+  const int places = b.vec3s({0, 0, 0, 1, 0, 0});
+  b.root["nodes"] = json::parse(R"([{"children": [1, 2]}, {"mesh": 0, "skin": 0}, {"mesh": 0}])");
+  b.root["nodes"][2]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = places;
+  b.root["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+  b.root["skins"] = json::parse(R"([{"joints": [0]}])");
+  const int times = b.floats({0, 1}, "SCALAR", 1);
+  b.root["accessors"][static_cast<std::size_t>(times)]["max"] = {1};
+  const int moves = b.vec3s({0, 0, 0, 1, 2, 3}), turns = b.vec4s({0, 0, 0, 1, 0, 0, 1, 0});
+  const int spline = b.vec3s({0, 0, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0, 2, 2, 2, 0, 0, 0});
+  const int shares = b.floats({0, 1}, "SCALAR", 1);
+  b.root["animations"] = {{{"samplers",
+                            {{{"input", times}, {"output", moves}, {"interpolation", "STEP"}},
+                             {{"input", times}, {"output", turns}},
+                             {{"input", times}, {"output", spline}, {"interpolation", "CUBICSPLINE"}},
+                             {{"input", times}, {"output", shares}}}},
+                           {"channels", json::parse(R"([{"sampler": 0, "target": {"node": 0, "path": "translation"}},
+                                    {"sampler": 1, "target": {"node": 0, "path": "rotation"}},
+                                    {"sampler": 2, "target": {"node": 0, "path": "scale"}},
+                                    {"sampler": 3, "target": {"node": 1, "path": "weights"}}])")}}};
+  return b;
+}
+
 inline std::vector<Builder> seed_files() {
   std::vector<Builder> seeds;
   seeds.push_back(triangle());
@@ -71,6 +102,7 @@ inline std::vector<Builder> seed_files() {
 
   seeds.push_back(layered());
   seeds.push_back(dressed());
+  seeds.push_back(moving());
 
   Builder skinned = triangle();
   auto& attributes = primitive(skinned)["attributes"];
@@ -134,7 +166,6 @@ inline std::vector<Builder> seed_files() {
   lights.root["nodes"] = {{{"camera", 0}, {"mesh", 0}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
                           {{"camera", 1}, {"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}}};
   lights.root["nodes"][1]["extensions"]["EXT_lights_ies"] = {{"light", 0}, {"multiplier", 2}, {"color", {1, 0.5, 0}}};
-  lights.root["animations"] = {json::object()};
   seeds.push_back(lights);
   return seeds;
 }
