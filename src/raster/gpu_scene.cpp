@@ -131,8 +131,26 @@ int upload_bytes(const TextureImage& image, bool is_srgb) {
   }
 }
 
-/// There are no 16-bit integers to filter: half floats, decoded here.
-void upload_words(const TextureImage& image, bool is_srgb) {
+/// The mean of every 2 × 2 texels of RGBA floats; a last odd one stands alone.
+std::vector<float> halved_floats(const std::vector<float>& texels, int& width, int& height) {
+  const int w = (width + 1) / 2, h = (height + 1) / 2;
+  std::vector<float> result(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 4, 0.0f);
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      for (int k = 0; k < 4; ++k) {
+        const int sx = std::min(2 * x + k % 2, width - 1), sy = std::min(2 * y + k / 2, height - 1);
+        const float* from = texels.data() + 4 * (static_cast<std::ptrdiff_t>(sy) * width + sx);
+        float* to = result.data() + 4 * (static_cast<std::ptrdiff_t>(y) * w + x);
+        for (int c = 0; c < 4; ++c) to[c] += 0.25f * from[c];
+      }
+    }
+  }
+  width = w, height = h;
+  return result;
+}
+
+/// There are no 16-bit integers to filter: half floats, decoded here. Returns how often they were halved to fit.
+int upload_words(const TextureImage& image, bool is_srgb) {
   const auto* pixels = reinterpret_cast<const std::uint16_t*>(image.pixels.data());
   std::vector<float> linear(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4);
   for (std::size_t i = 0; i < linear.size(); ++i) {
@@ -140,8 +158,11 @@ void upload_words(const TextureImage& image, bool is_srgb) {
     const bool is_color = is_srgb && i % 4 != 3;
     linear[i] = !is_color ? v : v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
   }
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, image.width, image.height, 0, GL_RGBA, GL_FLOAT, linear.data());
+  int width = image.width, height = image.height, times = 0;
+  for (; std::max(width, height) > most_texels(); ++times) linear = halved_floats(linear, width, height);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, width, height, 0, GL_RGBA, GL_FLOAT, linear.data());
   glGenerateMipmap(GL_TEXTURE_2D);
+  return times;
 }
 
 MaterialKey make_key(const Material& m, const shade::ShadingModel& model) {
@@ -251,12 +272,8 @@ GLuint GpuScene::texture_for(const Scene& scene, int image, bool is_srgb, Diagno
   const TextureImage& pixels = *scene.images[static_cast<std::size_t>(image)];
   glBindTexture(GL_TEXTURE_2D, entry->second);
   const std::string where = "image " + std::to_string(image);
-  if (pixels.bits == 16) {
-    if (std::max(pixels.width, pixels.height) > most_texels()) {
-      throw Error("a 16-bit texture is larger than the driver's limit of " + std::to_string(most_texels()), where);
-    }
-    upload_words(pixels, is_srgb);
-  } else if (const int left_out = upload_bytes(pixels, is_srgb); left_out > 0) {
+  const int left_out = pixels.bits == 16 ? upload_words(pixels, is_srgb) : upload_bytes(pixels, is_srgb);
+  if (left_out > 0) {
     diagnostics.warn("a texture of " + std::to_string(pixels.width) + "x" + std::to_string(pixels.height) +
                          " is larger than the driver's limit and was halved " + std::to_string(left_out) + " times",
                      where);

@@ -392,6 +392,35 @@ TEST_F(law_raster, relief_is_where_the_path_tracer_displaces_to) {
   EXPECT_GT(mean_difference(expected.beauty, draw(flat, dark_environment(), view, settings).beauty), 0.12);
 }
 
+TEST_F(law_raster, textures_beyond_the_drivers_limit_are_halved_and_told) {
+  constexpr int kWide = 40000;  // more than any driver takes
+  for (const bool has_16_bits : {false, true}) {
+    SceneBuilder b;
+    Material m = unlit(vec3(1.0f));
+    // Linear grey 0.2 to 0.8 from left to right.
+    std::vector<std::uint8_t> bytes;
+    std::vector<std::uint16_t> words;
+    for (int x = 0; x < kWide; ++x) {
+      const bool is_right = x >= kWide / 2;
+      for (int c = 0; c < 4; ++c) {
+        bytes.push_back(c == 3 ? 255 : is_right ? 231 : 124);
+        words.push_back(c == 3 ? 65535 : is_right ? 59367 : 31868);
+      }
+    }
+    m.base_color_texture = slot(has_16_bits ? b.add_texture_16(kWide, 1, words, Filter::linear, Wrap::clamp_to_edge)
+                                            : b.add_texture(kWide, 1, bytes, Filter::linear, Wrap::clamp_to_edge));
+    b.add(plane(vec3(0.0f), 1.0f), m);
+    Diagnostics diagnostics;
+    const Film film =
+        raster::render(b.build(), dark_environment(), look_at({0, 3, 0.01f}, vec3(0.0f), 0.4f), drawn(16), diagnostics);
+    ASSERT_EQ(diagnostics.warnings().size(), 1u);
+    EXPECT_NE(diagnostics.warnings()[0].message.find("larger than the driver's limit"), std::string::npos);
+    const float left = film.beauty.rgb(2, 8).x, right = film.beauty.rgb(13, 8).x;
+    EXPECT_NEAR(std::min(left, right), 0.2f, 0.01f);
+    EXPECT_NEAR(std::max(left, right), 0.8f, 0.01f);
+  }
+}
+
 TEST_F(law_raster, probes_of_an_open_place_see_the_environment) {
   const Environment sky = mapped_environment(128, 64, [](vec3 d) { return vec3(0.5f) + 0.4f * d; });
   SceneBuilder b;
