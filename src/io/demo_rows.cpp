@@ -52,7 +52,7 @@ const vec3 kSteel(0.562f, 0.565f, 0.578f);
 Material glass(float roughness = 0.0f) {
   Material material = dielectric(0xffffff, roughness);
   material.transmission = 1.0f;
-  material.thickness = 2.0f * kRadius;
+  material.thickness = 2.0f;  // of the unit sphere that is scaled to kRadius
   return material;
 }
 
@@ -61,7 +61,7 @@ Material wax(float mean_free_path) {
   Material material = dielectric(0xffffff, 0.25f);
   material.ior = 1.4f;
   material.diffuse_transmission = 1.0f;
-  material.thickness = 2.0f * kRadius;
+  material.thickness = 2.0f;
   // σt = -ln(1/e) / distance: the distance is the mean free path.
   material.attenuation_color = vec3(0.36787944f);
   material.attenuation_distance = mean_free_path;
