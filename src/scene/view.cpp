@@ -167,8 +167,8 @@ View scene_camera(const Scene& scene, const std::string& index_or_name, float as
 
   View view;
   view.world_from_camera = without_scale(node->world_from_node, node->name.empty() ? camera.name : node->name);
-  view.projection =
-      std::visit([&](const auto& p) -> decltype(view.projection) { return fit(p, aspect); }, camera.projection);
+  using Projection = std::variant<PerspectiveCamera, OrthographicCamera>;
+  view.projection = std::visit([&](const auto& p) -> Projection { return fit(p, aspect); }, camera.projection);
   if (camera.focus_distance > 0.0f) {
     view.lens.focus_distance = camera.focus_distance;
   } else if (const Box3 bounds = world_bounds(scene); !bounds.empty()) {
