@@ -120,9 +120,7 @@ View choose_view(const RenderOptions& o, const Scene& scene, std::string& descri
   if (!o.fov) return view;
   auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
   if (perspective == nullptr) throw Error("the scene's camera is orthographic and has no field of view", "--fov");
-  const bool from_file =
-      std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.camera >= 0; });
-  if (!from_file) return frame_box(subject_bounds(scene), aspect, yfov);
+  if (!has_camera(scene)) return frame_box(subject_bounds(scene), aspect, yfov);
   perspective->yfov = *o.fov;
   return view;
 }
@@ -233,9 +231,7 @@ Job prepare(const RenderOptions& o, Shared& shared, Diagnostics& diagnostics) {
   job.environment.intensity *= o.environment_intensity;
   View view = choose_view(o, job.scene, job.camera);
   set_lens(o, job.scene, view);
-  const bool has_camera =
-      std::any_of(job.scene.nodes.begin(), job.scene.nodes.end(), [](const Node& n) { return n.camera >= 0; });
-  job.has_own_camera = has_camera && job.is_moving && !o.eye && !o.orbit && !o.turntable;
+  job.has_own_camera = has_camera(job.scene) && job.is_moving && !o.eye && !o.orbit && !o.turntable;
   job.views = all_around(view, o.target.value_or(subject_bounds(job.scene).center()), o.turntable.value_or(1));
   job.develop = default_develop(job.scene, job.environment);
   if (o.exposure) job.develop.exposure = *o.exposure;

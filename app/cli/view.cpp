@@ -103,9 +103,7 @@ Viewer::Viewer(const ViewOptions& o)
   settings_.width = std::max(size.x, 1), settings_.height = std::max(size.y, 1);
   renderer_ = std::make_unique<raster::Renderer>(scene_, environment_, settings_, diagnostics_);
   if (raster::is_lit_from_far(environment_)) {
-    const bool wants_sheen = std::any_of(scene_.materials.begin(), scene_.materials.end(),
-                                         [](const Material& m) { return max_component(m.sheen_color) > 0.0f; });
-    renderer_->set_light(raster::bake_light(environment_, wants_sheen, settings_.cache));
+    renderer_->set_light(raster::bake_light(environment_, raster::uses_sheen(scene_), settings_.cache));
   }
   renderer_->begin(view());
   for (const Diagnostic& warning : diagnostics_.warnings()) std::cerr << "warning: " << warning.text() << '\n';
@@ -116,9 +114,7 @@ Viewer::Viewer(const ViewOptions& o)
 
 View Viewer::view() const {
   const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
-  const bool has_camera =
-      std::any_of(scene_.nodes.begin(), scene_.nodes.end(), [](const Node& n) { return n.camera >= 0; });
-  if (!is_turned_ && has_camera) return default_view(scene_, aspect);
+  if (!is_turned_ && has_camera(scene_)) return default_view(scene_, aspect);
   return frame_box(bounds_, aspect, PerspectiveCamera{}.yfov, orbit_);
 }
 

@@ -55,6 +55,10 @@ Box3 subject_bounds(const Scene& scene) {
   return bounds.empty() ? Box3{vec3(-1.0f), vec3(1.0f)} : bounds;
 }
 
+bool has_camera(const Scene& scene) {
+  return std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.camera >= 0; });
+}
+
 View default_view(const Scene& scene, float aspect) {
   // A camera is only somewhere when a node holds it.
   for (const Node& node : scene.nodes) {
@@ -105,17 +109,15 @@ std::vector<vec3> spread(const Box3& bounds, int count) {
 
 std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples) {
   constexpr int kSize = 64;
+  if (count <= 0) return {};
   const Box3 bounds = subject_bounds(scene);
-  const bool wants_sheen = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                       [](const Material& m) { return max_component(m.sheen_color) > 0.0f; });
   path::Settings settings;
   settings.samples = samples;
   settings.sees_lamps = false;
   std::vector<raster::Probe> probes;
-  if (count <= 0) return probes;
   for (const vec3& position : spread(bounds, count)) {
     const Cubemap seen = path::capture_environment(scene, environment, position, kSize, settings);
-    probes.push_back({position, bounds, raster::bake_light(seen.levels[0], wants_sheen)});
+    probes.push_back({position, bounds, raster::bake_light(seen.levels[0], raster::uses_sheen(scene))});
   }
   return probes;
 }

@@ -49,6 +49,9 @@ class Asset {
   std::shared_ptr<io::GltfFile> file_;  ///< null of a built-in scene
 };
 
+/// Whether a camera stands somewhere in the scene: is held by a node.
+bool has_camera(const Scene& scene);
+
 /// The view a user would expect without saying more: the file's first camera, else the whole subject in three-quarter
 /// view.
 View default_view(const Scene& scene, float aspect);

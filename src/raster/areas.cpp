@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "shade/color.glsl.h"
+
 namespace candela::raster {
 
 namespace {
@@ -77,7 +79,7 @@ vec3 mean_texel(const Scene& scene, const Primitive& primitive, const TextureSlo
     const std::size_t at = (texel * 4 + c) * bytes;
     const float v = bytes == 1 ? static_cast<float>(image.pixels[at]) / 255.0f
                                : static_cast<float>(image.pixels[at] | image.pixels[at + 1] << 8) / 65535.0f;
-    return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+    return shade::srgb_decode_channel(v);
   };
   constexpr int kSide = 12;
   vec3 sum(0.0f);

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "raster/mips.h"
 #include "scene/surface_params.h"
+#include "shade/color.glsl.h"
 
 namespace candela::raster {
 
@@ -156,7 +157,7 @@ int upload_words(const TextureImage& image, bool is_srgb) {
   for (std::size_t i = 0; i < linear.size(); ++i) {
     const float v = static_cast<float>(pixels[i]) / 65535.0f;
     const bool is_color = is_srgb && i % 4 != 3;
-    linear[i] = !is_color ? v : v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+    linear[i] = is_color ? shade::srgb_decode_channel(v) : v;
   }
   int width = image.width, height = image.height, times = 0;
   for (; std::max(width, height) > most_texels(); ++times) linear = halved_floats(linear, width, height);

@@ -120,6 +120,11 @@ std::filesystem::path default_cache() {
   return {};
 }
 
+bool uses_sheen(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& m) { return max_component(m.sheen_color) > 0.0f && !m.unlit; });
+}
+
 bool is_lit_from_far(const Environment& environment) {
   return environment.intensity > 0.0f && (environment.map != nullptr || max_component(environment.constant) > 0.0f);
 }

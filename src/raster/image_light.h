@@ -23,6 +23,9 @@ struct BakedLight {
 using LightKey = std::string;
 LightKey light_key(const Environment& environment, bool wants_sheen);
 
+/// Whether light has to be baked for the sheen lobe, too.
+bool uses_sheen(const Scene& scene);
+
 /// Whether an environment is more than its suns.
 bool is_lit_from_far(const Environment& environment);
 

@@ -54,11 +54,6 @@ LightPoint light_point(int i, int frames) {
   return point;
 }
 
-bool uses_sheen(const Scene& scene) {
-  return std::any_of(scene.materials.begin(), scene.materials.end(),
-                     [](const Material& m) { return max_component(m.sheen_color) > 0.0f && !m.unlit; });
-}
-
 /// Whether emissive surfaces are the only light there is.
 bool only_glows(const Scene& scene, const Environment& environment) {
   const bool has_lamp =

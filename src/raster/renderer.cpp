@@ -363,22 +363,7 @@ void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const Fram
   glBindFramebuffer(GL_FRAMEBUFFER, depth_framebuffer_);
   glClearDepthf(1.0f);
   glClear(GL_DEPTH_BUFFER_BIT);
-  for (const std::size_t i : opaque) {
-    const Draw& d = gpu_.draws()[i];
-    if (is_outside(camera.clip_from_world, d.bounds)) continue;
-    const GpuMaterial& material = gpu_.material_of(d);
-    const gl::Program& program = programs_.depth(material.key);
-    glUseProgram(program.id());
-    glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &camera.clip_from_world[0][0]);
-    if (material.key.alpha_mode == AlphaMode::mask) gpu_.bind_mask(material);
-    if (material.is_double_sided) {
-      glDisable(GL_CULL_FACE);
-    } else {
-      glEnable(GL_CULL_FACE);
-      glCullFace(GL_BACK);
-    }
-    gpu_.draw(i);
-  }
+  draw_depth(opaque, camera, true);
 
   // ----- horizons, then their mean
   glDisable(GL_DEPTH_TEST);
@@ -486,25 +471,25 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
   gpu_.draw(first, count);
 }
 
-/// Only what is seen is shaded afterwards. Masks, which would be cut out twice, wait.
-void Renderer::draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera) {
-  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+/// Depth alone, masks cut out or left out.
+void Renderer::draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks) {
   for (const std::size_t i : order) {
     const Draw& d = gpu_.draws()[i];
     const GpuMaterial& material = gpu_.material_of(d);
-    if (material.key.alpha_mode == AlphaMode::mask || is_outside(camera.clip_from_world, d.bounds)) continue;
+    const bool is_mask = material.key.alpha_mode == AlphaMode::mask;
+    if ((is_mask && !has_masks) || is_outside(camera.clip_from_world, d.bounds)) continue;
+    const gl::Program& program = programs_.depth(material.key);
+    glUseProgram(program.id());
+    glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &camera.clip_from_world[0][0]);
+    if (is_mask) gpu_.bind_mask(material);
     if (material.is_double_sided) {
       glDisable(GL_CULL_FACE);
     } else {
       glEnable(GL_CULL_FACE);
       glCullFace(GL_BACK);
     }
-    const gl::Program& program = programs_.depth(material.key);
-    glUseProgram(program.id());
-    glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &camera.clip_from_world[0][0]);
     gpu_.draw(i);
   }
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
 void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera) {
@@ -603,7 +588,10 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   }
   pass.has_coverage = settings_.msaa > 1;
   pass.has_occlusion = has_occlusion;
-  draw_depth(opaque, camera);
+  // Only what is seen is shaded afterwards. Masks, which would be cut out twice, wait.
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  draw_depth(opaque, camera, false);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   if (pass.has_coverage) glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   draw_surfaces(opaque, pass, camera);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);

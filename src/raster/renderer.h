@@ -65,7 +65,7 @@ class Renderer {
   void upload_table();
   void bind_shared(const FrameCamera& camera);
   void draw_shadows();
-  void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera);
+  void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks);
   void draw_scattering(const FrameCamera& camera);
   void draw_background(const FrameCamera& camera);
   /// Draws those of `order` with the programs of `pass`.
