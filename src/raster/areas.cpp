@@ -104,15 +104,9 @@ vec3 mean_texel(const Scene& scene, const Primitive& primitive, const TextureSlo
   return weight > 0.0f ? sum / weight : vec3(1.0f);
 }
 
-struct Candidate {
-  std::size_t draw = 0;
-  AreaEntry entry;
-  float power = 0.0f;
-};
-
 /// Nothing where the draw does not glow or cannot be said in so few words.
-std::vector<Candidate> candidates(const Scene& scene, const GpuScene& gpu) {
-  std::vector<Candidate> all;
+std::vector<AreaLight> glowing_draws(const Scene& scene, const GpuScene& gpu) {
+  std::vector<AreaLight> all;
   for (std::size_t i = 0; i < gpu.draws().size(); ++i) {
     const Draw& draw = gpu.draws()[i];
     const Node& node = scene.nodes[static_cast<std::size_t>(draw.node)];
@@ -123,7 +117,7 @@ std::vector<Candidate> candidates(const Scene& scene, const GpuScene& gpu) {
     const bool is_flat = glm::length(panel.facing) > kFlat * panel.area;
     // Lamps painted on a body are small beside it, and nobody knows where.
     if (panel.area <= 0.0f || (material.emissive_texture && !is_flat)) continue;
-    Candidate c;
+    AreaLight c;
     c.draw = i;
     vec3 color = material.emission;
     if (material.emissive_texture) color *= mean_texel(scene, primitive, material.emissive_texture);
@@ -153,36 +147,36 @@ std::vector<Candidate> candidates(const Scene& scene, const GpuScene& gpu) {
 
 }  // namespace
 
-std::vector<int> collect_areas(const Scene& scene, const GpuScene& gpu, LightPoint point, SceneLights& lights,
-                               Diagnostics& diagnostics) {
-  std::vector<Candidate> all = candidates(scene, gpu);
-  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.power > b.power; });
-  const std::size_t left_out = all.size() > kMostAreas ? all.size() - kMostAreas : 0;
-  all.resize(all.size() - left_out);
-  if (left_out > 0) {
-    diagnostics.warn("of " + std::to_string(all.size() + left_out) + " glowing surfaces the strongest " +
+std::vector<AreaLight> find_areas(const Scene& scene, const GpuScene& gpu, Diagnostics& diagnostics) {
+  std::vector<AreaLight> all = glowing_draws(scene, gpu);
+  std::stable_sort(all.begin(), all.end(), [](const AreaLight& a, const AreaLight& b) { return a.power > b.power; });
+  if (all.size() > kMostAreas) {
+    diagnostics.warn("of " + std::to_string(all.size()) + " glowing surfaces the strongest " +
                          std::to_string(kMostAreas) + " light others; the path tracer has no such limit",
                      scene.name);
+    all.resize(kMostAreas);
   }
-  std::vector<int> area_of_draw(gpu.draws().size(), -1);
-  for (Candidate& c : all) {
-    area_of_draw[c.draw] = lights.area_count;
-    const auto& k = c.entry.corners;
-    if (c.entry.shape.x > 0.5f) {
-      add_point_shadows(lights, vec3(k[0]) + k[0].w * point_of_ball(point), gpu.bounds(), c.entry.shape);
+  return all;
+}
+
+void add_areas(const std::vector<AreaLight>& areas, const Box3& bounds, LightPoint point, SceneLights& lights) {
+  for (const AreaLight& area : areas) {
+    AreaEntry entry = area.entry;
+    const auto& k = entry.corners;
+    if (entry.shape.x > 0.5f) {
+      add_point_shadows(lights, vec3(k[0]) + k[0].w * point_of_ball(point), bounds, entry.shape);
     } else {
       const vec3 low = glm::mix(vec3(k[0]), vec3(k[1]), point.x), high = glm::mix(vec3(k[3]), vec3(k[2]), point.x);
       const vec3 center = glm::mix(low, high, point.y);
       const vec3 normal = glm::normalize(glm::cross(vec3(k[1] - k[0]), vec3(k[2] - k[0])));
-      add_panel_shadows(lights, center, normal, c.entry.shape.y > 0.5f, gpu.bounds(), c.entry.shape);
+      add_panel_shadows(lights, center, normal, entry.shape.y > 0.5f, bounds, entry.shape);
     }
-    const auto first = static_cast<int>(c.entry.shape.z), count = static_cast<int>(c.entry.shape.w);
+    const auto first = static_cast<int>(entry.shape.z), count = static_cast<int>(entry.shape.w);
     for (int s = first; s >= 0 && s < first + count; ++s) {
       lights.shadow_owner[static_cast<std::size_t>(s)] = lights.area_count;
     }
-    lights.block.areas[static_cast<std::size_t>(lights.area_count++)] = c.entry;
+    lights.block.areas[static_cast<std::size_t>(lights.area_count++)] = entry;
   }
-  return area_of_draw;
 }
 
 }  // namespace candela::raster

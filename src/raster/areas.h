@@ -8,14 +8,21 @@
 
 namespace candela::raster {
 
-/// Adds a scene's area lights with their shadows to `lights`, and says which draw is which, -1 for those that are none:
-/// what glows evenly, and panels that glow by a texture, which counts by its mean. The strongest kMostAreas; others are
+/// A draw that lights others.
+struct AreaLight {
+  std::size_t draw = 0;
+  AreaEntry entry;     ///< without shadows
+  float power = 0.0f;  ///< luminance times what is seen of its surface
+};
+
+/// What glows evenly, and panels that glow by a texture, which counts by its mean: the strongest kMostAreas, others are
 /// left out with a warning.
 ///
 /// A flat primitive is a rectangle of its area (a single triangle itself); any other a square that always faces what it
 /// lights, of a quarter of its surface: what a convex body shows from all around in the mean (Cauchy).
-/// Their shadows are cast from `point` of each.
-std::vector<int> collect_areas(const Scene& scene, const GpuScene& gpu, LightPoint point, SceneLights& lights,
-                               Diagnostics& diagnostics);
+std::vector<AreaLight> find_areas(const Scene& scene, const GpuScene& gpu, Diagnostics& diagnostics);
+
+/// Adds area lights to `lights`, with their shadows as far as there is room, seen from `point` of each.
+void add_areas(const std::vector<AreaLight>& areas, const Box3& bounds, LightPoint point, SceneLights& lights);
 
 }  // namespace candela::raster

@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "ibl/source.h"
-#include "raster/areas.h"
 #include "shade/surface_params.glsl.h"
 #include "shade/tables.glsl.h"
 
@@ -103,6 +102,7 @@ Renderer::Renderer(const Scene& scene, const Environment& environment, const Set
   const Image* seen = environment.backdrop != nullptr ? environment.backdrop.get() : environment.map.get();
   panorama_ = upload_panorama(settings.background == Background::environment ? seen : nullptr);
   profiles_ = upload_profiles(scene);
+  find_area_lights(diagnostics);
   upload_table();
   glSamplerParameteri(depth_sampler_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glSamplerParameteri(depth_sampler_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -152,6 +152,13 @@ void Renderer::bind_probe(std::size_t draw, const gl::Program& program) {
 void Renderer::set_scene(const Scene& scene) {
   scene_ = &scene;
   gpu_.set_geometry(scene);
+  find_area_lights(told_);
+}
+
+void Renderer::find_area_lights(Diagnostics& diagnostics) {
+  areas_ = find_areas(*scene_, gpu_, diagnostics);
+  area_of_draw_.assign(gpu_.draws().size(), -1);
+  for (std::size_t i = 0; i < areas_.size(); ++i) area_of_draw_[areas_[i].draw] = static_cast<int>(i);
 }
 
 void Renderer::warm_up(const View& view) {
@@ -246,7 +253,7 @@ void Renderer::begin(const View& view, LightPoint point) {
   const float radius = settings_.has_soft_shadows ? settings_.light_radius : 0.0f;
   lights_ = collect_lights(*scene_, environment_, gpu_.bounds(), camera,
                            settings_.has_soft_shadows ? point : LightPoint(0.5f), radius, diagnostics);
-  area_of_draw_ = collect_areas(*scene_, gpu_, point, lights_, diagnostics);
+  add_areas(areas_, gpu_.bounds(), point, lights_);
   glBindBuffer(GL_UNIFORM_BUFFER, lights_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof lights_.block, &lights_.block, GL_DYNAMIC_DRAW);
   draw_shadows();

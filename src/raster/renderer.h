@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "image/develop.h"
+#include "raster/areas.h"
 #include "raster/camera.h"
 #include "raster/gpu_scene.h"
 #include "raster/image_light.h"
@@ -64,6 +65,7 @@ class Renderer {
   void draw_occlusion(const std::vector<std::size_t>& opaque, const FrameCamera& camera);
   void upload_table();
   void bind_shared(const FrameCamera& camera);
+  void find_area_lights(Diagnostics& diagnostics);
   void draw_shadows();
   void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks);
   void draw_scattering(const FrameCamera& camera);
@@ -84,6 +86,7 @@ class Renderer {
   std::vector<GpuProbe> probes_;
   SceneLights lights_;
   bool is_moved_light_ = false;    ///< shadows are seen from a point of each light that was not the middle
+  std::vector<AreaLight> areas_;   ///< of the scene as it stands
   std::vector<int> area_of_draw_;  ///< which area light a draw is, -1 none
   bool is_begun_ = false;
   Diagnostics told_;  ///< warnings that were given before
