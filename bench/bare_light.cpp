@@ -1,12 +1,14 @@
-// What image-based light costs at the least: a picture-filling shader with six lookups (base colour, normal, roughness
-// and metallic, prefiltered cube, irradiance, split-sum table) and nothing else. `bench_bare_light [WxH]` prints
-// milliseconds per frame, the least of ten, finished; bench/raster.py compares the rasterizer with it.
+// What a driver needs at the least for shaders that fill the picture: a constant; one trilinear texture; GGX from one light
+// with three textures; light from an image with six lookups (base colour, normal, roughness and metallic, prefiltered
+// cube, irradiance, split-sum table) and nothing else. `bench_bare_light [WxH]` prints milliseconds per frame for each,
+// the least of ten, finished; bench/raster.py compares the rasterizer with the last.
 
 #include <GLES3/gl3.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <string>
 #include <vector>
 
 #include "base/error.h"
@@ -24,30 +26,69 @@ void main() {
 }
 )";
 
-const char* const kFragment = R"(#version 300 es
+/// Every fragment shader begins so: a sphere as large as the picture, so that every pixel has a normal and a view of its
+/// own.
+const char* const kHead = R"(#version 300 es
 precision highp float;
 in vec2 v_ndc;
 uniform sampler2D base_map, normal_map, rough_map, table;
 uniform samplerCube specular, diffuse;
 out vec4 o_color;
-void main() {
-  // A sphere as large as the picture, so that every pixel has a normal and a view of its own.
-  vec2 p = v_ndc * 0.7;
-  vec3 n = vec3(p, sqrt(1.0 - min(dot(p, p), 0.99)));
-  vec2 uv = v_ndc * 0.5 + 0.5;
-  vec3 base = texture(base_map, uv).rgb;
+struct Point {
+  vec3 n, v, base;
+  float rough, metallic;
+};
+Point point() {
+  Point p;
+  vec2 at = v_ndc * 0.7, uv = v_ndc * 0.5 + 0.5;
+  p.base = texture(base_map, uv).rgb;
   vec3 bump = texture(normal_map, uv).xyz * 2.0 - 1.0;
   vec2 mr = texture(rough_map, uv).gb;
-  n = normalize(n + 0.2 * bump);
-  vec3 v = normalize(vec3(-p * 0.2, 1.0));
-  float cosine = max(dot(n, v), 1e-3);
-  vec3 f0 = mix(vec3(0.04), base, mr.y);
-  vec2 ab = texture(table, vec2(cosine, mr.x)).xy;
-  vec3 mirrored = textureLod(specular, reflect(-v, n), mr.x * 6.0).rgb;
-  vec3 around = texture(diffuse, n).rgb;
-  o_color = vec4(mirrored * (f0 * ab.x + ab.y) + around * base * (1.0 - mr.y), 1.0);
+  p.n = normalize(vec3(at, sqrt(1.0 - min(dot(at, at), 0.99))) + 0.2 * bump);
+  p.v = normalize(vec3(-at * 0.2, 1.0));
+  p.rough = mr.x;
+  p.metallic = mr.y;
+  return p;
 }
 )";
+
+struct Shader {
+  const char* name;
+  const char* main;
+};
+
+const Shader kShaders[] = {
+    {"a constant", R"(
+void main() { o_color = vec4(0.5); }
+)"},
+    {"one trilinear texture", R"(
+void main() { o_color = texture(base_map, v_ndc * 0.5 + 0.5); }
+)"},
+    {"GGX, one light, three textures", R"(
+void main() {
+  Point p = point();
+  vec3 l = normalize(vec3(0.4, 0.6, 0.7)), h = normalize(p.v + l);
+  float nl = max(dot(p.n, l), 0.0), nv = max(dot(p.n, p.v), 1e-3), nh = max(dot(p.n, h), 0.0);
+  float a2 = p.rough * p.rough * p.rough * p.rough, t = nh * nh * (a2 - 1.0) + 1.0;
+  float d = a2 / (3.14159265 * t * t);
+  float g = 0.5 / (nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2) + 1e-5);
+  vec3 f0 = mix(vec3(0.04), p.base, p.metallic);
+  vec3 f = f0 + (1.0 - f0) * pow(1.0 - max(dot(p.v, h), 0.0), 5.0);
+  o_color = vec4((d * g * f + p.base * ((1.0 - p.metallic) / 3.14159265)) * (3.0 * nl), 1.0);
+}
+)"},
+    {"light from an image, six lookups", R"(
+void main() {
+  Point p = point();
+  float cosine = max(dot(p.n, p.v), 1e-3);
+  vec3 f0 = mix(vec3(0.04), p.base, p.metallic);
+  vec2 ab = texture(table, vec2(cosine, p.rough)).xy;
+  vec3 mirrored = textureLod(specular, reflect(-p.v, p.n), p.rough * 6.0).rgb;
+  vec3 around = texture(diffuse, p.n).rgb;
+  o_color = vec4(mirrored * (f0 * ab.x + ab.y) + around * p.base * (1.0 - p.metallic), 1.0);
+}
+)"},
+};
 
 gl::Texture flat_map(int size) {
   gl::Texture texture;
@@ -72,7 +113,7 @@ gl::Texture cube_map(int size) {
   return texture;
 }
 
-double frame_ms(int width, int height) {
+void print_times(int width, int height) {
   const auto context = gl::Context::open();
   const gl::Renderbuffer color;
   const gl::Framebuffer framebuffer;
@@ -83,8 +124,6 @@ double frame_ms(int width, int height) {
   glViewport(0, 0, width, height);
   const gl::VertexArray nothing;
   glBindVertexArray(nothing);
-  const gl::Program program(kVertex, kFragment);
-  glUseProgram(program.id());
   const std::vector<gl::Texture> maps = [] {
     std::vector<gl::Texture> all;
     all.reserve(4);
@@ -93,27 +132,31 @@ double frame_ms(int width, int height) {
     return all;
   }();
   const gl::Texture specular = cube_map(256), diffuse = cube_map(32);
-  GLint unit = 0;
-  for (const char* name : {"base_map", "normal_map", "rough_map", "table"}) {
-    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-    glBindTexture(GL_TEXTURE_2D, maps[static_cast<std::size_t>(unit)]);
-    glUniform1i(program.uniform(name), unit++);
+  for (const Shader& shader : kShaders) {
+    const gl::Program program(kVertex, std::string(kHead) + shader.main);
+    glUseProgram(program.id());
+    GLint unit = 0;
+    for (const char* name : {"base_map", "normal_map", "rough_map", "table"}) {
+      glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+      glBindTexture(GL_TEXTURE_2D, maps[static_cast<std::size_t>(unit)]);
+      glUniform1i(program.uniform(name), unit++);
+    }
+    for (const auto& [name, texture] : {std::pair<const char*, GLuint>("specular", specular), {"diffuse", diffuse}}) {
+      glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+      glBindTexture(GL_TEXTURE_CUBE_MAP, texture);
+      glUniform1i(program.uniform(name), unit++);
+    }
+    double least = 1e9;
+    for (int i = 0; i < 11; ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      glDrawArrays(GL_TRIANGLES, 0, 3);
+      glFinish();
+      const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+      if (i > 0) least = std::min(least, ms);  // the first compiles
+    }
+    gl::check("drawing");
+    std::printf("%6.1f  %s\n", least, shader.name);
   }
-  for (const auto& [name, texture] : {std::pair<const char*, GLuint>("specular", specular), {"diffuse", diffuse}}) {
-    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-    glBindTexture(GL_TEXTURE_CUBE_MAP, texture);
-    glUniform1i(program.uniform(name), unit++);
-  }
-  double least = 1e9;
-  for (int i = 0; i < 11; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    glFinish();
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    if (i > 0) least = std::min(least, ms);  // the first compiles
-  }
-  gl::check("drawing");
-  return least;
 }
 
 }  // namespace
@@ -122,7 +165,7 @@ int main(int argc, char** argv) {
   int width = 1280, height = 720;
   if (argc > 1 && std::sscanf(argv[1], "%dx%d", &width, &height) != 2) return 2;
   try {
-    std::printf("%.1f\n", frame_ms(width, height));
+    print_times(width, height);
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

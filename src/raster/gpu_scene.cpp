@@ -22,12 +22,6 @@ struct Vertex {
   vec4 color;
 };
 
-// Slots whose colours are sRGB; the others hold data.
-constexpr std::array kSrgbSlots = {0, 4, 6, 10, 18, 19};
-bool is_srgb_slot(std::size_t i) {
-  return std::find(kSrgbSlots.begin(), kSrgbSlots.end(), static_cast<int>(i)) != kSrgbSlots.end();
-}
-
 void attribute(GLuint location, GLint size, std::size_t offset, GLsizei stride) {
   glEnableVertexAttribArray(location);
   // NOLINTNEXTLINE(performance-no-int-to-ptr): so GL takes an offset
@@ -114,10 +108,9 @@ int most_texels() {
 }
 
 /// Uploads 8-bit texels with their mips; those larger than the driver's limit are left out. Returns how many.
-int upload_bytes(const TextureImage& image, bool is_srgb) {
+int upload_bytes(const std::uint8_t* pixels, int width, int height, bool is_srgb) {
   const int most = most_texels();
-  const std::uint8_t* pixels = image.pixels.data();
-  MipLevel level{image.width, image.height, {}};
+  MipLevel level{width, height, {}};
   int left_out = 0;
   for (GLint at = 0;;) {
     if (level.width > most || level.height > most) {
@@ -241,6 +234,7 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
   const std::size_t stride = (sizeof(MaterialBlock) + static_cast<std::size_t>(alignment) - 1) /
                              static_cast<std::size_t>(alignment) * static_cast<std::size_t>(alignment);
   std::vector<std::byte> blocks(stride * scene.materials.size());
+  const std::vector<PackedMaterial> packed = pack_textures(scene);
   for (const Material& m : scene.materials) {
     GpuMaterial& gpu = materials_.emplace_back();
     gpu.key = make_key(m, model);
@@ -248,32 +242,43 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
     gpu.block = static_cast<GLintptr>(stride * (materials_.size() - 1));
     const MaterialBlock block = make_block(m);
     std::memcpy(blocks.data() + gpu.block, &block, sizeof block);
+    gpu.key.channels = packed[materials_.size() - 1].channels;
     int unit = first_slot_unit;
-    const auto slots = texture_slots(m);
     for (std::size_t i = 0; i < kSlots; ++i) {
-      if (!*slots[i]) continue;
+      const TextureSource& source = packed[materials_.size() - 1].slots[i];
+      if (source.image < 0) continue;
       if (unit++ >= units) {
         diagnostics.warn("the driver reads " + std::to_string(units) + " textures at once; left out: " + slot_name(i),
                          m.name);
+        for (Channel* c : {&gpu.key.channels.metallic, &gpu.key.channels.roughness, &gpu.key.channels.occlusion}) {
+          if (c->slot == static_cast<int>(i)) *c = {};
+        }
         continue;
       }
-      const Texture& texture = scene.textures[static_cast<std::size_t>(slots[i]->texture)];
       gpu.key.slots |= 1u << i;
-      gpu.textures[i] = texture_for(scene, texture.image, is_srgb_slot(i), diagnostics);
-      gpu.samplers[i] = sampler_for(texture);
+      gpu.textures[i] = texture_for(scene, source, diagnostics);
+      gpu.samplers[i] = sampler_for(scene.textures[static_cast<std::size_t>(texture_slots(m)[i]->texture)]);
     }
   }
   glBindBuffer(GL_UNIFORM_BUFFER, material_blocks_);
   glBufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(blocks.size()), blocks.data(), GL_STATIC_DRAW);
 }
 
-GLuint GpuScene::texture_for(const Scene& scene, int image, bool is_srgb, Diagnostics& diagnostics) {
-  const auto [entry, is_new] = textures_.try_emplace({image, is_srgb});
+GLuint GpuScene::texture_for(const Scene& scene, const TextureSource& source, Diagnostics& diagnostics) {
+  const auto [entry, is_new] = textures_.try_emplace(source);
   if (!is_new) return entry->second;
-  const TextureImage& pixels = *scene.images[static_cast<std::size_t>(image)];
+  const TextureImage& pixels = *scene.images[static_cast<std::size_t>(source.image)];
   glBindTexture(GL_TEXTURE_2D, entry->second);
-  const std::string where = "image " + std::to_string(image);
-  const int left_out = pixels.bits == 16 ? upload_words(pixels, is_srgb) : upload_bytes(pixels, is_srgb);
+  const std::string where = "image " + std::to_string(source.image);
+  int left_out = 0;
+  if (pixels.bits == 16) {
+    left_out = upload_words(pixels, source.is_srgb);
+  } else {
+    const std::vector<std::uint8_t> packed =
+        source.is_packed() ? packed_texels(scene, source) : std::vector<std::uint8_t>();
+    left_out = upload_bytes(source.is_packed() ? packed.data() : pixels.pixels.data(), pixels.width, pixels.height,
+                            source.is_srgb);
+  }
   if (left_out > 0) {
     diagnostics.warn("a texture of " + std::to_string(pixels.width) + "x" + std::to_string(pixels.height) +
                          " is larger than the driver's limit and was halved " + std::to_string(left_out) + " times",

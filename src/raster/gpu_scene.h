@@ -7,6 +7,7 @@
 
 #include "base/diagnostics.h"
 #include "gl/gl.h"
+#include "raster/packing.h"
 #include "raster/programs.h"
 #include "scene/scene.h"
 #include "shade/model.glsl.h"
@@ -76,7 +77,7 @@ class GpuScene {
   void add_mesh(const Mesh& mesh);
   void add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
   void add_draws(const Scene& scene);
-  GLuint texture_for(const Scene& scene, int image, bool is_srgb, Diagnostics& diagnostics);
+  GLuint texture_for(const Scene& scene, const TextureSource& source, Diagnostics& diagnostics);
   GLuint sampler_for(const Texture& texture);
 
   std::vector<GpuPrimitive> primitives_;
@@ -84,7 +85,7 @@ class GpuScene {
   std::vector<GpuMaterial> materials_;
   gl::Buffer material_blocks_;
   gl::Buffer transforms_;  ///< world_from_object of each draw, three rows
-  std::map<std::pair<int, bool>, gl::Texture> textures_;
+  std::map<TextureSource, gl::Texture> textures_;
   std::map<std::array<int, 3>, gl::Sampler> samplers_;
   std::vector<Draw> draws_;
   Box3 bounds_;

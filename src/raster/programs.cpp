@@ -63,6 +63,20 @@ std::string slots_text(const MaterialKey& key, std::uint32_t mask) {
   return text;
 }
 
+/// A macro for each number that may stand in one texture or another.
+std::string channels_text(const Channels& channels) {
+  std::string text;
+  const auto add = [&text](const char* name, const Channel& channel) {
+    if (!channel) return;
+    text += fmt::format("#define {}_factor() {}_texel().{}\n", name, kSlotNames[static_cast<std::size_t>(channel.slot)],
+                        "rgba"[static_cast<std::size_t>(channel.component)]);
+  };
+  add("metallic", channels.metallic);
+  add("roughness", channels.roughness);
+  add("occlusion", channels.occlusion);
+  return text;
+}
+
 /// The terms of a shading model other than the default one, as constants.
 std::string model_text(const shade::ShadingModel& m) {
   return define("MODEL_DISTRIBUTION", m.distribution) + define("MODEL_MASKING", m.masking) +
@@ -72,8 +86,9 @@ std::string model_text(const shade::ShadingModel& m) {
 }
 
 std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const shade::ShadingModel& model) {
-  std::string text = slots_text(key, key.slots) + define("LOBES", key.lobes) + define("kMostLights", kMostLights) +
-                     define("kMostShadows", kMostShadows) + define("kMostAreas", kMostAreas);
+  std::string text = slots_text(key, key.slots) + channels_text(key.channels) + define("LOBES", key.lobes) +
+                     define("kMostLights", kMostLights) + define("kMostShadows", kMostShadows) +
+                     define("kMostAreas", kMostAreas);
   const auto add = [&text](bool is_wanted, const char* name) {
     if (is_wanted) text += define(name);
   };

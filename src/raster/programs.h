@@ -8,6 +8,7 @@
 #include "gl/gl.h"
 #include "gl/shader_text.h"
 #include "raster/blocks.h"
+#include "raster/packing.h"
 #include "raster/quantity.h"
 #include "shade/model.glsl.h"
 
@@ -16,7 +17,8 @@ namespace candela::raster {
 /// What of a material decides the text of its shader; everything else is data.
 struct MaterialKey {
   int lobes = 0;
-  std::uint32_t slots = 0;  ///< bit i: texture_slots(material)[i] is there
+  std::uint32_t slots = 0;  ///< bit i: texture_slots(material)[i] has a texture
+  Channels channels;
   bool has_tangents = false;
   bool has_colors = false;
   bool has_body = false;

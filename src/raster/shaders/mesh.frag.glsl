@@ -208,10 +208,11 @@ SurfaceParams fetch_params() {
   p.ior = metallic_roughness.z;
   p.specular = metallic_roughness.w;
   p.specular_color = specular_color.rgb;
-#ifdef HAS_metallic_roughness
-  vec4 mr = metallic_roughness_texel();
-  p.roughness *= mr.g;
-  p.metallic *= mr.b;
+#ifdef roughness_factor
+  p.roughness *= roughness_factor();
+#endif
+#ifdef metallic_factor
+  p.metallic *= metallic_factor();
 #endif
 #ifdef HAS_specular
   p.specular *= specular_texel().a;
@@ -329,8 +330,8 @@ vec3 mirrored_light(Point p, vec3 n, float alpha) {
 
 float occlusion() {
   float visible = 1.0;
-#ifdef HAS_occlusion
-  visible = 1.0 + coat.w * (occlusion_texel().r - 1.0);
+#ifdef occlusion_factor
+  visible = 1.0 + coat.w * (occlusion_factor() - 1.0);
 #endif
 #ifdef HAS_SCREEN_OCCLUSION
   // The map has half the picture's size: of the four texels around, those at this depth.
