@@ -149,6 +149,7 @@ std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const 
                                                const std::string& preamble, const MaterialKey& material) {
   const auto text_of = [&](const std::string& name) {
     gl::ShaderText text(reader_);
+    text.add_text("defines", define("SHADE_FILTERED_TABLES"));
     text.add_text("defines of " + name, preamble);
     if (name == kMeshFragment && material.lobes == 0) text.add_header("no_layers.glsl");
     text.add_header(name);
@@ -167,15 +168,16 @@ std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const 
   program->bind_block("Material", material_binding);
   program->bind_block("Lights", lights_binding);
   glUseProgram(program->id());
-  static constexpr std::array<std::pair<const char*, int>, 9> kShared = {{{"shade_table_texels", table_unit},
-                                                                          {"specular_light", specular_unit},
-                                                                          {"diffuse_light", diffuse_unit},
-                                                                          {"sheen_light", sheen_unit},
-                                                                          {"shadow_maps", shadow_unit},
-                                                                          {"light_profiles", profile_unit},
-                                                                          {"opaque_picture", picture_unit},
-                                                                          {"screen_visibility", visibility_unit},
-                                                                          {"shadow_depths", shadow_depth_unit}}};
+  static constexpr std::array<std::pair<const char*, int>, 10> kShared = {{{"shade_table_texels", table_unit},
+                                                                           {"shade_ggx_texels", ggx_table_unit},
+                                                                           {"specular_light", specular_unit},
+                                                                           {"diffuse_light", diffuse_unit},
+                                                                           {"sheen_light", sheen_unit},
+                                                                           {"shadow_maps", shadow_unit},
+                                                                           {"light_profiles", profile_unit},
+                                                                           {"opaque_picture", picture_unit},
+                                                                           {"screen_visibility", visibility_unit},
+                                                                           {"shadow_depths", shadow_depth_unit}}};
   for (const auto& [name, unit] : kShared) glUniform1i(program->uniform(name), unit);
   int unit = first_slot_unit;
   for (std::size_t i = 0; i < kSlots; ++i) {

@@ -51,6 +51,7 @@ struct PassKey {
 /// Where textures are bound, the same in every program; a material's own follow.
 enum Unit : int {
   table_unit,
+  ggx_table_unit,
   specular_unit,
   diffuse_unit,
   sheen_unit,

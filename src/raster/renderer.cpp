@@ -187,6 +187,22 @@ void Renderer::upload_table() {
   glBindTexture(GL_TEXTURE_2D, table_);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, kWidth, height, 0, GL_RED, GL_FLOAT, texels.data());
   filter(GL_TEXTURE_2D, GL_NEAREST, GL_NEAREST);
+
+  // As table_ggx_texel() reads it.
+  const auto cosines = static_cast<std::size_t>(shade::kTableMu);
+  std::vector<vec2> ggx;
+  for (std::size_t row = 0; row < static_cast<std::size_t>(shade::kTableRoughness); ++row) {
+    const auto entry = [](int table, std::size_t i) {
+      const float* at = shade::kTableEntries + table + 2 * i;
+      return vec2(at[0], at[1]);
+    };
+    for (std::size_t i = 0; i < cosines; ++i) ggx.push_back(entry(shade::kTableGgx, row * cosines + i));
+    ggx.push_back(entry(shade::kTableGgxMean, row));
+  }
+  glBindTexture(GL_TEXTURE_2D, ggx_table_);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RG16F, shade::kTableMu + 1, shade::kTableRoughness, 0, GL_RG, GL_FLOAT, ggx.data());
+  filter(GL_TEXTURE_2D, GL_LINEAR, GL_LINEAR);
+  wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
   gl::check("uploading the tables");
 }
 
@@ -331,6 +347,7 @@ void Renderer::bind_shared(const FrameCamera& camera) {
   glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_block_);
   glBindBufferBase(GL_UNIFORM_BUFFER, lights_binding, lights_block_);
   bind(table_unit, GL_TEXTURE_2D, table_);
+  bind(ggx_table_unit, GL_TEXTURE_2D, ggx_table_);
   bind(specular_unit, GL_TEXTURE_CUBE_MAP, specular_);
   bind(diffuse_unit, GL_TEXTURE_CUBE_MAP, diffuse_);
   bind(sheen_unit, GL_TEXTURE_CUBE_MAP, sheen_);
@@ -434,12 +451,22 @@ void Renderer::draw_background(const FrameCamera& camera) {
   const gl::Program& program = programs_.fullscreen("background.frag.glsl");
   glUseProgram(program.id());
   bind(first_slot_unit, GL_TEXTURE_2D, panorama_);
+  // Turned back by the rotation about +y.
+  const float cosine = std::cos(environment_.rotation), sine = std::sin(environment_.rotation);
+  const auto in_environment = [&](vec3 d) { return vec3(cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z); };
+  // Rays through the far plane spread evenly over it; those of an orthographic camera are all the same.
   const mat4 world_from_clip = glm::inverse(camera.clip_from_world);
+  const auto ray_through = [&](float x, float y) {
+    const vec4 far = world_from_clip * vec4(x, y, 1.0f, 1.0f);
+    return in_environment(camera.is_perspective ? vec3(far) / far.w - camera.eye : -camera.back);
+  };
+  const vec3 ray = ray_through(0, 0), ray_x = ray_through(1, 0) - ray, ray_y = ray_through(0, 1) - ray;
   glUniform1i(program.uniform("panorama"), first_slot_unit);
-  glUniformMatrix4fv(program.uniform("world_from_clip"), 1, GL_FALSE, &world_from_clip[0][0]);
+  glUniform3fv(program.uniform("ray"), 1, &ray.x);
+  glUniform3fv(program.uniform("ray_x"), 1, &ray_x.x);
+  glUniform3fv(program.uniform("ray_y"), 1, &ray_y.x);
   const bool has_map = environment_.map != nullptr || environment_.backdrop != nullptr;
-  glUniform4f(program.uniform("panorama_turn"), std::cos(environment_.rotation), std::sin(environment_.rotation),
-              environment_.intensity, has_map ? 1.0f : 0.0f);
+  glUniform2f(program.uniform("panorama_scale"), environment_.intensity, has_map ? 1.0f : 0.0f);
   const vec3 constant = environment_.constant * environment_.intensity;
   glUniform3fv(program.uniform("constant_light"), 1, &constant.x);
   constexpr std::size_t kMostSuns = 4;
@@ -451,7 +478,7 @@ void Renderer::draw_background(const FrameCamera& camera) {
     suns.map = nullptr;
     for (const SunDisc& sun : ibl::make_source(suns).suns) {
       if (count == kMostSuns) break;
-      directions[count] = vec4(sun.direction, std::cos(sun.angular_radius));
+      directions[count] = vec4(in_environment(sun.direction), std::cos(sun.angular_radius));
       radiances[count++] = glm::min(sun.radiance, vec3(60000.0f));
     }
   }

@@ -95,7 +95,7 @@ class Renderer {
   int frame_ = 0;
   int light_levels_ = 1;
   int picture_levels_ = 1;
-  gl::Texture table_, specular_, diffuse_, sheen_, profiles_, shadows_, panorama_;
+  gl::Texture table_, ggx_table_, specular_, diffuse_, sheen_, profiles_, shadows_, panorama_;
   gl::Texture depth_map_;
   std::array<gl::Texture, 2> visibility_;  ///< as found, and its mean
   gl::Framebuffer depth_framebuffer_;
