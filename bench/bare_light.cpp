@@ -1,7 +1,7 @@
-// What a driver needs at the least for shaders that fill the picture: a constant; one trilinear texture; GGX from one light
-// with three textures; light from an image with six lookups (base colour, normal, roughness and metallic, prefiltered
-// cube, irradiance, split-sum table) and nothing else. `bench_bare_light [WxH]` prints milliseconds per frame for each,
-// the least of ten, finished; bench/raster.py compares the rasterizer with the last.
+// What a driver needs at the least for shaders that fill the picture: a constant; one trilinear texture; GGX from one
+// light with three textures; light from an image with six lookups (base colour, normal, roughness and metallic,
+// prefiltered cube, irradiance, split-sum table) and nothing else. `bench_bare_light [WxH]` prints milliseconds per
+// frame for each, the least of ten, finished; bench/raster.py compares the rasterizer with the last.
 
 #include <GLES3/gl3.h>
 
@@ -26,8 +26,8 @@ void main() {
 }
 )";
 
-/// Every fragment shader begins so: a sphere as large as the picture, so that every pixel has a normal and a view of its
-/// own.
+/// Every fragment shader begins so: a sphere as large as the picture, so that every pixel has a normal and a view of
+/// its own.
 const char* const kHead = R"(#version 300 es
 precision highp float;
 in vec2 v_ndc;
@@ -90,12 +90,13 @@ void main() {
 )"},
 };
 
-gl::Texture flat_map(int size) {
+gl::Texture flat_map(int size, bool srgb = false) {
   gl::Texture texture;
   std::vector<unsigned char> texels(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * 4);
   for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = static_cast<unsigned char>((i * 2654435761u) >> 24);
   glBindTexture(GL_TEXTURE_2D, texture);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, size, size, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, size, size, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               texels.data());
   glGenerateMipmap(GL_TEXTURE_2D);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   return texture;
@@ -127,7 +128,7 @@ void print_times(int width, int height) {
   const std::vector<gl::Texture> maps = [] {
     std::vector<gl::Texture> all;
     all.reserve(4);
-    for (int i = 0; i < 3; ++i) all.push_back(flat_map(2048));
+    for (int i = 0; i < 3; ++i) all.push_back(flat_map(2048, i == 0));
     all.push_back(flat_map(64));
     return all;
   }();

@@ -111,6 +111,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(key.alpha_mode == AlphaMode::mask && pass.has_coverage, "ALPHA_TO_COVERAGE");
   add(key.alpha_mode == AlphaMode::blend, "ALPHA_BLEND");
   add(pass.has_lights, "HAS_LIGHTS");
+  add(pass.has_far_light, "HAS_FAR_LIGHT");
   add(pass.has_sheen_light, "HAS_SHEEN_LIGHT");
   add(pass.has_opaque_picture, "HAS_OPAQUE_PICTURE");
   add(pass.has_occlusion, "HAS_SCREEN_OCCLUSION");
@@ -210,10 +211,15 @@ const gl::Program& Programs::depth(const MaterialKey& material) {
   return *program;
 }
 
-const gl::Program& Programs::fullscreen(const std::string& fragment) {
-  std::unique_ptr<gl::Program>& program = fullscreen_[fragment];
-  if (program == nullptr) program = compile("fullscreen.vert.glsl", fragment, "", {});
+const gl::Program& Programs::fullscreen(const std::string& fragment, const std::string& preamble) {
+  std::unique_ptr<gl::Program>& program = fullscreen_[{fragment, preamble}];
+  if (program == nullptr) program = compile("fullscreen.vert.glsl", fragment, preamble, {});
   return *program;
+}
+
+const gl::Program& Programs::background(bool has_panorama, int sun_count) {
+  return fullscreen("background.frag.glsl",
+                    (has_panorama ? define("HAS_PANORAMA") : "") + (sun_count > 0 ? define("kSuns", sun_count) : ""));
 }
 
 }  // namespace candela::raster

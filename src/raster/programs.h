@@ -35,6 +35,7 @@ struct MaterialKey {
 /// What of a pass does.
 struct PassKey {
   bool has_lights = false;
+  bool has_far_light = false;  ///< baked light of an environment, or of probes
   bool has_sheen_light = false;
   bool has_opaque_picture = false;
   bool has_occlusion = false;  ///< of the screen
@@ -72,8 +73,9 @@ class Programs {
   const gl::Program& mesh(const MaterialKey& material, const PassKey& pass);
   /// Depth alone, for shadows.
   const gl::Program& depth(const MaterialKey& material);
-  /// A fragment shader over the whole picture: "background.frag.glsl".
-  const gl::Program& fullscreen(const std::string& fragment);
+  /// A fragment shader over the whole picture: "present.frag.glsl".
+  const gl::Program& fullscreen(const std::string& fragment, const std::string& preamble = {});
+  const gl::Program& background(bool has_panorama, int sun_count);
 
   /// Forgets what was compiled, so that changed files are read again.
   void reload();
@@ -87,7 +89,7 @@ class Programs {
   gl::ShaderText::Reader reader_;
   std::map<std::pair<MaterialKey, PassKey>, std::unique_ptr<gl::Program>> mesh_;
   std::map<MaterialKey, std::unique_ptr<gl::Program>> depth_;
-  std::map<std::string, std::unique_ptr<gl::Program>> fullscreen_;
+  std::map<std::pair<std::string, std::string>, std::unique_ptr<gl::Program>> fullscreen_;
 };
 
 /// The sampler of texture_slots(material)[i] in the shaders.

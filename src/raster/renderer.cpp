@@ -332,9 +332,8 @@ void Renderer::bind_shared(const FrameCamera& camera) {
   block.clip_from_world = camera.clip_from_world;
   block.eye = vec4(camera.eye, camera.is_perspective ? 1.0f : 0.0f);
   block.back = vec4(camera.back, 0.0f);
-  block.light = {static_cast<float>(light_levels_), has_light_ || !probes_.empty() ? 1.0f : 0.0f,
-                 lights_.has_suns ? kLeastSunRoughness : 0.0f,
-                 settings_.specular_antialiasing ? 1.0f / static_cast<float>(settings_.frames) : 0.0f};
+  block.light = {static_cast<float>(light_levels_), lights_.has_suns ? kLeastSunRoughness : 0.0f,
+                 settings_.specular_antialiasing ? 1.0f / static_cast<float>(settings_.frames) : 0.0f, 0.0f};
   block.target = {static_cast<float>(settings_.width), static_cast<float>(settings_.height),
                   static_cast<float>(picture_levels_), 0.0f};
   // Of many frames each stands for a part of the light.
@@ -448,9 +447,6 @@ void Renderer::draw_scattering(const FrameCamera& camera) {
 }
 
 void Renderer::draw_background(const FrameCamera& camera) {
-  const gl::Program& program = programs_.fullscreen("background.frag.glsl");
-  glUseProgram(program.id());
-  bind(first_slot_unit, GL_TEXTURE_2D, panorama_);
   // Turned back by the rotation about +y.
   const float cosine = std::cos(environment_.rotation), sine = std::sin(environment_.rotation);
   const auto in_environment = [&](vec3 d) { return vec3(cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z); };
@@ -461,30 +457,37 @@ void Renderer::draw_background(const FrameCamera& camera) {
     return in_environment(camera.is_perspective ? vec3(far) / far.w - camera.eye : -camera.back);
   };
   const vec3 ray = ray_through(0, 0), ray_x = ray_through(1, 0) - ray, ray_y = ray_through(0, 1) - ray;
-  glUniform1i(program.uniform("panorama"), first_slot_unit);
-  glUniform3fv(program.uniform("ray"), 1, &ray.x);
-  glUniform3fv(program.uniform("ray_x"), 1, &ray_x.x);
-  glUniform3fv(program.uniform("ray_y"), 1, &ray_y.x);
-  const bool has_map = environment_.map != nullptr || environment_.backdrop != nullptr;
-  glUniform2f(program.uniform("panorama_scale"), environment_.intensity, has_map ? 1.0f : 0.0f);
-  const vec3 constant = environment_.constant * environment_.intensity;
-  glUniform3fv(program.uniform("constant_light"), 1, &constant.x);
   constexpr std::size_t kMostSuns = 4;
-  std::array<vec4, kMostSuns> directions{};
-  std::array<vec3, kMostSuns> radiances{};
-  std::size_t count = 0;
+  std::vector<vec4> directions;
+  std::vector<vec3> radiances;
   if (!environment_.suns.empty()) {
     Environment suns = environment_;
     suns.map = nullptr;
     for (const SunDisc& sun : ibl::make_source(suns).suns) {
-      if (count == kMostSuns) break;
-      directions[count] = vec4(in_environment(sun.direction), std::cos(sun.angular_radius));
-      radiances[count++] = glm::min(sun.radiance, vec3(60000.0f));
+      if (directions.size() == kMostSuns) break;
+      directions.emplace_back(in_environment(sun.direction), std::cos(sun.angular_radius));
+      radiances.push_back(glm::min(sun.radiance, vec3(60000.0f)));
     }
   }
-  glUniform1i(program.uniform("sun_count"), static_cast<GLint>(count));
-  glUniform4fv(program.uniform("sun_directions"), kMostSuns, &directions[0].x);
-  glUniform3fv(program.uniform("sun_radiances"), kMostSuns, &radiances[0].x);
+  const auto sun_count = static_cast<GLsizei>(directions.size());
+  const bool has_map = environment_.map != nullptr || environment_.backdrop != nullptr;
+
+  const gl::Program& program = programs_.background(has_map, sun_count);
+  glUseProgram(program.id());
+  glUniform3fv(program.uniform("ray"), 1, &ray.x);
+  glUniform3fv(program.uniform("ray_x"), 1, &ray_x.x);
+  glUniform3fv(program.uniform("ray_y"), 1, &ray_y.x);
+  const vec3 constant = environment_.constant * environment_.intensity;
+  glUniform3fv(program.uniform("constant_light"), 1, &constant.x);
+  if (has_map) {
+    bind(first_slot_unit, GL_TEXTURE_2D, panorama_);
+    glUniform1i(program.uniform("panorama"), first_slot_unit);
+    glUniform1f(program.uniform("intensity"), environment_.intensity);
+  }
+  if (sun_count > 0) {
+    glUniform4fv(program.uniform("sun_directions"), sun_count, &directions[0].x);
+    glUniform3fv(program.uniform("sun_radiances"), sun_count, &radiances[0].x);
+  }
   glBindVertexArray(nothing_);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
@@ -594,7 +597,8 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  const bool has_occlusion = settings_.occlusion_radius > 0.0f && (expects_light_ || !probes_.empty());
+  const bool has_far_light = expects_light_ || !probes_.empty();
+  const bool has_occlusion = settings_.occlusion_radius > 0.0f && has_far_light;
   if (has_occlusion) draw_occlusion(opaque, camera);
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
@@ -609,6 +613,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
     gl::check("drawing");
     return;
   }
+  pass.has_far_light = has_far_light;
   pass.has_areas = lights_.area_count > 0;
   pass.has_probes = !probes_.empty();
   // A large light's hard shadow would be a lie.

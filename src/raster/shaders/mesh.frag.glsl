@@ -292,7 +292,7 @@ SurfaceParams fetch_params() {
 /// Antialiasing with Projected-Space NDF Filtering", with their constants.
 float antialiased_roughness(float roughness, vec3 n) {
   vec3 dx = dFdx(n), dy = dFdy(n);
-  float variance = light.w * 0.25 * (dot(dx, dx) + dot(dy, dy));
+  float variance = light.z * 0.25 * (dot(dx, dx) + dot(dy, dy));
   float alpha = roughness_to_alpha(roughness);
   return sqrt(sqrt(clamp(alpha * alpha + min(2.0 * variance, 0.18), 0.0, 1.0)));
 }
@@ -358,7 +358,11 @@ float occlusion() {
 /// What is seen through the surface along a direction that leaves it at `exit` (world): the opaque picture, blurred by
 /// `alpha`, and where it shows nothing the light from far away.
 vec3 behind(vec3 exit, vec3 direction, float alpha) {
-  vec3 far = light.y > 0.5 ? prefiltered(direction, alpha) : vec3(0.0);
+#ifdef HAS_FAR_LIGHT
+  vec3 far = prefiltered(direction, alpha);
+#else
+  vec3 far = vec3(0.0);
+#endif
 #ifdef HAS_OPAQUE_PICTURE
   vec4 clip = clip_from_world * vec4(exit, 1.0);
   vec2 uv = clip.xy / clip.w * 0.5 + 0.5;
@@ -415,38 +419,38 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
   vec3 n = p.normal;
   float visible = occlusion();
   vec3 color = vec3(0.0);
-  if (light.y > 0.5) {
-    color = shares.diffuse * texture(diffuse_light, n).rgb * (part(1) / kShadePi) *
-            image_light_multibounce(visible, min(shares.diffuse, vec3(1.0)));
-    vec3 bent = n;
+#ifdef HAS_FAR_LIGHT
+  color = shares.diffuse * texture(diffuse_light, n).rgb * (part(1) / kShadePi) *
+          image_light_multibounce(visible, min(shares.diffuse, vec3(1.0)));
+  vec3 bent = n;
 #ifdef HAS_ANISOTROPY
-    // The lobe is wide along x: the normal leans towards the viewer in the plane across it.
-    vec3 across = frame[1];
-    vec3 along_view = cross(across, p.wo);
-    vec3 anisotropic = normalize(cross(along_view, across));
-    bent = normalize(mix(n, anisotropic, shade_saturate(params.anisotropy * params.anisotropy)));
-    if (dot(bent, n) < 0.0) bent = n;
+  // The lobe is wide along x: the normal leans towards the viewer in the plane across it.
+  vec3 across = frame[1];
+  vec3 along_view = cross(across, p.wo);
+  vec3 anisotropic = normalize(cross(along_view, across));
+  bent = normalize(mix(n, anisotropic, shade_saturate(params.anisotropy * params.anisotropy)));
+  if (dot(bent, n) < 0.0) bent = n;
 #endif
-    float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
-    color += (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * (part(2) * specular_visible);
+  float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
+  color += (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * (part(2) * specular_visible);
 #ifdef HAS_LAYERS
 #if defined(HAS_BELOW) && !defined(IS_SCATTERING)
-    color += shares.below * texture(diffuse_light, -n).rgb * (part(1) / kShadePi);
+  color += shares.below * texture(diffuse_light, -n).rgb * (part(1) / kShadePi);
 #endif
 #ifdef HAS_SHEEN
 #ifdef HAS_SHEEN_LIGHT
-    color += shares.sheen * textureLod(sheen_light, 2.0 * wo.z * n - p.wo, image_light_level(roughness_to_alpha(s.sheen_roughness), light.x)).rgb * (part(8) * visible);
+  color += shares.sheen * textureLod(sheen_light, 2.0 * wo.z * n - p.wo, image_light_level(roughness_to_alpha(s.sheen_roughness), light.x)).rgb * (part(8) * visible);
 #else
-    color += shares.sheen * texture(diffuse_light, n).rgb * (part(8) * visible / kShadePi);
+  color += shares.sheen * texture(diffuse_light, n).rgb * (part(8) * visible / kShadePi);
 #endif
 #endif
 #ifdef HAS_COAT
-    vec3 nc = normalize(frame * s.coat_normal);
-    color += shares.coat * mirrored_light(p, nc, s.coat_alpha) *
-             (part(4) * image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha));
+  vec3 nc = normalize(frame * s.coat_normal);
+  color += shares.coat * mirrored_light(p, nc, s.coat_alpha) *
+           (part(4) * image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha));
 #endif
 #endif
-  }
+#endif
 #if defined(HAS_TRANSMISSION) && !defined(IS_SCATTERING)
   color += shares.through * transmitted_light(p, params, s.alpha) * part(16);
 #endif
@@ -502,7 +506,11 @@ vec3 area_light(Point p, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
 /// Seen through the surface, as from a white diffuse one of the body's colour.
 vec3 scattered_light(Point p, SurfaceShares shares) {
   vec3 n = p.normal;
-  vec3 arriving = light.y > 0.5 ? texture(diffuse_light, n).rgb * occlusion() : vec3(0.0);
+#ifdef HAS_FAR_LIGHT
+  vec3 arriving = texture(diffuse_light, n).rgb * occlusion();
+#else
+  vec3 arriving = vec3(0.0);
+#endif
 #ifdef HAS_LIGHTS
   for (int i = 0; i < counts.x; ++i) {
     if (counts.z >= 0 && counts.z != i) continue;
@@ -545,7 +553,7 @@ struct Shading {
 Shading prepare(bool is_back) {
   Point p = make_point(is_back);
   SurfaceParams params = fetch_params();
-  params.roughness = max(antialiased_roughness(params.roughness, p.normal), light.z);
+  params.roughness = max(antialiased_roughness(params.roughness, p.normal), light.y);
 
   // ----- the local frame
   vec3 t = p.tangent - p.normal * dot(p.normal, p.tangent);
