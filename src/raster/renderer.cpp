@@ -194,7 +194,7 @@ void Renderer::upload_table() {
   for (std::size_t row = 0; row < static_cast<std::size_t>(shade::kTableRoughness); ++row) {
     const auto entry = [](int table, std::size_t i) {
       const float* at = shade::kTableEntries + table + 2 * i;
-      return vec2(at[0], at[1]);
+      return vec2(at[1], 1.0f - at[0] - at[1]);
     };
     for (std::size_t i = 0; i < cosines; ++i) ggx.push_back(entry(shade::kTableGgx, row * cosines + i));
     ggx.push_back(entry(shade::kTableGgxMean, row));

@@ -96,14 +96,21 @@ SHADE_FN float table_bilinear(int at, TableCell x, TableCell y, int width) {
 // ----- GGX
 
 #if defined(SHADE_FILTERED_TABLES) && !defined(__cplusplus)
-// The same two tables in a texture that the driver interpolates: a row for each roughness, its cosines and then its mean.
-// Whoever compiles the shader fills it from the same array.
+// The same two tables in a texture that the driver interpolates: a row for each roughness, its cosines and then its mean,
+// each as (B, 1 - A - B), so that half floats keep what little a smooth surface loses. Whoever compiles the shader fills
+// it from the array.
 uniform highp sampler2D shade_ggx_texels;
 
 vec2 table_ggx_texel(float x, TableCell roughness) {
-  return textureLod(shade_ggx_texels, vec2(x + 0.5, float(roughness.i) + roughness.t + 0.5) / vec2(kTableMu + 1, kTableRoughness), 0.0).xy;
+  vec2 at = vec2(x + 0.5, float(roughness.i) + roughness.t + 0.5) / vec2(kTableMu + 1, kTableRoughness);
+  vec2 texel = textureLod(shade_ggx_texels, at, 0.0).xy;
+  return vec2(1.0 - texel.x - texel.y, texel.x);
 }
-vec2 table_ggx(float mu, TableCell roughness) { return table_ggx_texel(sqrt(clamp(mu, 0.0, 1.0)) * float(kTableMu - 1), roughness); }
+
+vec2 table_ggx(float mu, TableCell roughness) {
+  return table_ggx_texel(sqrt(clamp(mu, 0.0, 1.0)) * float(kTableMu - 1), roughness);
+}
+
 vec2 table_ggx_mean(TableCell roughness) { return table_ggx_texel(float(kTableMu), roughness); }
 #else
 /// Split-sum terms (A, B) at a cosine, for a roughness whose cell is known.

@@ -5,6 +5,7 @@
 
 #include "io/gltf.h"
 #include "path/capture.h"
+#include "raster/packing.h"
 #include "raster/render.h"
 #include "unit/path/scenes.h"
 #include "unit/raster/gl_fixture.h"
@@ -390,6 +391,49 @@ TEST_F(law_raster, relief_is_where_the_path_tracer_displaces_to) {
   Scene flat = scene;
   flat.materials.back().height_texture = {};
   EXPECT_GT(mean_difference(expected.beauty, draw(flat, dark_environment(), view, settings).beauty), 0.12);
+}
+
+TEST_F(law_raster, textures_that_share_channels_look_as_if_they_did_not) {
+  const auto smooth = [](int seed) {
+    constexpr int kTexels = 16;
+    std::vector<std::uint8_t> rgba;
+    for (int i = 0; i < kTexels * kTexels; ++i) {
+      for (int c = 0; c < 4; ++c) {
+        const double wave = std::sin(0.4 * (i % kTexels) + seed + c) * std::sin(0.3 * (i / kTexels) + 2 * seed - c);
+        rgba.push_back(static_cast<std::uint8_t>(140 + 80 * wave));
+      }
+    }
+    return rgba;
+  };
+  // What wraps otherwise is not packed, and looks the same within the texture.
+  const auto picture = [&](Wrap wrap_of_guests, std::size_t textures) {
+    SceneBuilder b;
+    Material m;
+    m.emission = vec3(0.3f);
+    m.normal_scale = 0.3f;
+    for (std::size_t i = 0; i < 5; ++i) {
+      const bool is_guest = i == 1 || i == 3;
+      *texture_slots(m)[i] = slot(
+          b.add_texture(16, 16, smooth(static_cast<int>(i)), Filter::linear, is_guest ? wrap_of_guests : Wrap::repeat));
+    }
+    Primitive p = quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+    p.tangents.assign(p.positions.size(), vec4(1, 0, 0, 1));
+    b.add(p, m);
+    const Scene scene = b.build();
+    const auto packed = raster::pack_textures(scene);
+    EXPECT_EQ(static_cast<std::size_t>(std::count_if(packed[0].slots.begin(), packed[0].slots.end(),
+                                                     [](const auto& s) { return s.image >= 0; })),
+              textures);
+    return draw(scene, constant_environment(vec3(1.0f)), look_at({0.2f, 0.1f, 1.5f}, vec3(0.0f), 0.6f), drawn(kSize))
+        .beauty;
+  };
+  const Image apart = picture(Wrap::clamp_to_edge, 4);  // occlusion beside roughness
+  const Image together = picture(Wrap::repeat, 3);
+  double most = 0.0;
+  for (std::size_t i = 0; i < apart.pixels.size(); ++i) {
+    most = std::max(most, static_cast<double>(std::abs(apart.pixels[i] - together.pixels[i])));
+  }
+  EXPECT_LT(most, 0.01);  // drivers may filter colours and data with different precision
 }
 
 TEST_F(law_raster, textures_beyond_the_drivers_limit_are_halved_and_told) {
