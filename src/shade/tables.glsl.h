@@ -95,24 +95,6 @@ SHADE_FN float table_bilinear(int at, TableCell x, TableCell y, int width) {
 
 // ----- GGX
 
-#if defined(SHADE_FILTERED_TABLES) && !defined(__cplusplus)
-// The same two tables in a texture that the driver interpolates: a row for each roughness, its cosines and then its mean,
-// each as (B, 1 - A - B), so that half floats keep what little a smooth surface loses. Whoever compiles the shader fills
-// it from the array.
-uniform highp sampler2D shade_ggx_texels;
-
-vec2 table_ggx_texel(float x, TableCell roughness) {
-  vec2 at = vec2(x + 0.5, float(roughness.i) + roughness.t + 0.5) / vec2(kTableMu + 1, kTableRoughness);
-  vec2 texel = textureLod(shade_ggx_texels, at, 0.0).xy;
-  return vec2(1.0 - texel.x - texel.y, texel.x);
-}
-
-vec2 table_ggx(float mu, TableCell roughness) {
-  return table_ggx_texel(sqrt(clamp(mu, 0.0, 1.0)) * float(kTableMu - 1), roughness);
-}
-
-vec2 table_ggx_mean(TableCell roughness) { return table_ggx_texel(float(kTableMu), roughness); }
-#else
 /// Split-sum terms (A, B) at a cosine, for a roughness whose cell is known.
 SHADE_FN vec2 table_ggx(float mu, TableCell roughness) {
   TableCell m = table_cell_mu(mu, kTableMu);
@@ -127,6 +109,27 @@ SHADE_FN vec2 table_ggx_mean(TableCell roughness) {
   int a = kTableGgxMean + roughness.i * 2;
   return mix(vec2(shade_table(a), shade_table(a + 1)), vec2(shade_table(a + 2), shade_table(a + 3)), roughness.t);
 }
+
+#ifdef SHADE_FILTERED_TABLES
+// The same two tables in a texture that the driver interpolates: a row for each roughness, its cosines and then its
+// mean, each as (B, 1 - A - B), so that half floats keep what little a smooth surface loses. Whoever compiles the
+// shader fills it from the array.
+uniform highp sampler2D shade_ggx_texels;
+
+vec2 table_ggx_texel(float x, TableCell roughness) {
+  vec2 at = vec2(x + 0.5, float(roughness.i) + roughness.t + 0.5) / vec2(kTableMu + 1, kTableRoughness);
+  vec2 texel = textureLod(shade_ggx_texels, at, 0.0).xy;
+  return vec2(1.0 - texel.x - texel.y, texel.x);
+}
+
+vec2 table_ggx_filtered(float mu, TableCell roughness) {
+  return table_ggx_texel(sqrt(clamp(mu, 0.0, 1.0)) * float(kTableMu - 1), roughness);
+}
+
+vec2 table_ggx_mean_filtered(TableCell roughness) { return table_ggx_texel(float(kTableMu), roughness); }
+
+#define table_ggx table_ggx_filtered
+#define table_ggx_mean table_ggx_mean_filtered
 #endif
 
 SHADE_FN TableCell table_ggx_roughness(float roughness) { return table_cell(roughness, kTableRoughness); }
