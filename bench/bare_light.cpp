@@ -1,11 +1,10 @@
 // What a driver needs at the least for shaders that fill the picture: a constant; one trilinear texture; GGX from one
 // light with three textures; light from an image with six lookups (base colour, normal, roughness and metallic,
 // prefiltered cube, irradiance, split-sum table) and nothing else. `bench_bare_light [WxH]` prints milliseconds per
-// frame for each, the least of ten, finished; bench/raster.py compares the rasterizer with the last.
+// frame for each, the mean of 16, each finished; bench/raster.py compares the rasterizer with the last.
 
 #include <GLES3/gl3.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -147,16 +146,16 @@ void print_times(int width, int height) {
       glBindTexture(GL_TEXTURE_CUBE_MAP, texture);
       glUniform1i(program.uniform(name), unit++);
     }
-    double least = 1e9;
-    for (int i = 0; i < 11; ++i) {
-      const auto start = std::chrono::steady_clock::now();
+    constexpr int kFrames = 16;
+    std::chrono::steady_clock::time_point start;
+    for (int i = 0; i <= kFrames; ++i) {
+      if (i == 1) start = std::chrono::steady_clock::now();  // the first compiles
       glDrawArrays(GL_TRIANGLES, 0, 3);
       glFinish();
-      const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-      if (i > 0) least = std::min(least, ms);  // the first compiles
     }
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     gl::check("drawing");
-    std::printf("%6.1f  %s\n", least, shader.name);
+    std::printf("%6.1f  %s\n", ms / kFrames, shader.name);
   }
 }
 

@@ -219,7 +219,7 @@ void Renderer::make_targets() {
   glBindRenderbuffer(GL_RENDERBUFFER, target_.color);
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
   glBindRenderbuffer(GL_RENDERBUFFER, target_.depth);
-  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT24, w, h);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT32F, w, h);
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_.color);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target_.depth);
@@ -603,7 +603,10 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   glClearDepthf(1.0f);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  const bool is_whole = settings_.quantity == Quantity::light || settings_.quantity == Quantity::luminance;
+  const bool has_background = settings_.background == Background::environment && is_whole;
+  // A background covers whatever was there.
+  glClear(has_background ? GL_DEPTH_BUFFER_BIT : GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
   PassKey pass;
   pass.has_lights = lights_.count + lights_.area_count > 0;
@@ -638,8 +641,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   pass.has_occlusion = false;
   pass.has_scattering = false;
   if (has_scattering_) draw_scattering(camera);
-  const bool is_whole = settings_.quantity == Quantity::light || settings_.quantity == Quantity::luminance;
-  if (settings_.background == Background::environment && is_whole) draw_background(camera);
+  if (has_background) draw_background(camera);
 
   if (!transmissive.empty() || !blended.empty()) {
     pass.has_opaque_picture = gpu_.has_lobe(shade::kLobeTransmission);
@@ -733,7 +735,7 @@ Image Renderer::read_layer(const View& view, Layer layer) {
   glBindRenderbuffer(GL_RENDERBUFFER, target.color);
   glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, settings_.width, settings_.height);
   glBindRenderbuffer(GL_RENDERBUFFER, target.depth);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, settings_.width, settings_.height);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, settings_.width, settings_.height);
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);

@@ -20,16 +20,8 @@ uniform vec3 sun_radiances[kSuns];
 layout(location = 0) out vec4 o_color;
 
 #ifdef HAS_PANORAMA
-// As fine as a panorama of 16384 texels asks for, and fewer operations than a driver's own. Abramowitz & Stegun 1964,
-// "Handbook of Mathematical Functions", 4.4.46 and 4.4.47.
-float arccosine(float x) {
-  float a = abs(x);
-  float p = 0.0308918810 + a * (-0.0170881256 + a * (0.0066700901 - a * 0.0012624911));
-  p = 1.5707963050 + a * (-0.2145988016 + a * (0.0889789874 + a * (-0.0501743046 + a * p)));
-  float angle = sqrt(max(1.0 - a, 0.0)) * p;
-  return x < 0.0 ? kShadePi - angle : angle;
-}
-
+/// Within 1e-5, a texel's eighth of a panorama of 16384, in fewer operations than a driver's own. Abramowitz & Stegun 1964,
+/// "Handbook of Mathematical Functions", 4.4.47.
 float arctangent(float y, float x) {
   float ax = abs(x), ay = abs(y);
   float t = min(ax, ay) / max(max(ax, ay), 1e-30), t2 = t * t;
@@ -41,15 +33,16 @@ float arctangent(float y, float x) {
 #endif
 
 void main() {
-  vec3 d = normalize(ray + ray_x * v_ndc.x + ray_y * v_ndc.y);
+  vec3 d = ray + ray_x * v_ndc.x + ray_y * v_ndc.y;
   vec3 color = constant_light;
 #ifdef HAS_PANORAMA
-  vec2 uv = vec2(0.5 + arctangent(d.z, d.x) / (2.0 * kShadePi), arccosine(d.y) / kShadePi);
+  vec2 uv = 0.5 + vec2(0.5, -1.0) / kShadePi * vec2(arctangent(d.z, d.x), arctangent(d.y, length(d.xz)));
   color += textureLod(panorama, uv, 0.0).rgb * intensity;
 #endif
 #ifdef kSuns
+  vec3 toward = normalize(d);
   for (int i = 0; i < kSuns; ++i) {
-    if (dot(d, sun_directions[i].xyz) >= sun_directions[i].w) color += sun_radiances[i];
+    if (dot(toward, sun_directions[i].xyz) >= sun_directions[i].w) color += sun_radiances[i];
   }
 #endif
   o_color = vec4(color, 1.0);
