@@ -397,10 +397,12 @@ TEST_F(law_raster, textures_that_share_channels_look_as_if_they_did_not) {
   const auto smooth = [](int seed) {
     constexpr int kTexels = 16;
     std::vector<std::uint8_t> rgba;
-    for (int i = 0; i < kTexels * kTexels; ++i) {
-      for (int c = 0; c < 4; ++c) {
-        const double wave = std::sin(0.4 * (i % kTexels) + seed + c) * std::sin(0.3 * (i / kTexels) + 2 * seed - c);
-        rgba.push_back(static_cast<std::uint8_t>(140 + 80 * wave));
+    for (int y = 0; y < kTexels; ++y) {
+      for (int x = 0; x < kTexels; ++x) {
+        for (int c = 0; c < 4; ++c) {
+          const double wave = std::sin(0.4 * x + seed + c) * std::sin(0.3 * y + 2 * seed - c);
+          rgba.push_back(static_cast<std::uint8_t>(140 + 80 * wave));
+        }
       }
     }
     return rgba;

@@ -30,7 +30,7 @@ class packing : public testing::Test {  // NOLINT(readability-identifier-naming)
     for (std::size_t i = 0; i < 5; ++i) *texture_slots(material_)[i] = slot(textures_[i]);
   }
 
-  std::vector<PackedMaterial> pack(std::vector<Material> materials) {
+  std::vector<PackedMaterial> pack(const std::vector<Material>& materials) {
     for (const Material& m : materials) builder_.add_material(m);
     return pack_textures(builder_.scene());
   }
