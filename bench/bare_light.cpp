@@ -5,6 +5,7 @@
 
 #include <GLES3/gl3.h>
 
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -50,6 +51,8 @@ Point point() {
   return p;
 }
 )";
+
+constexpr std::array<const char*, 4> kMaps = {"base_map", "normal_map", "rough_map", "table"};
 
 struct Shader {
   const char* name;
@@ -135,17 +138,9 @@ void print_times(int width, int height) {
   for (const Shader& shader : kShaders) {
     const gl::Program program(kVertex, std::string(kHead) + shader.main);
     glUseProgram(program.id());
-    GLint unit = 0;
-    for (const char* name : {"base_map", "normal_map", "rough_map", "table"}) {
-      glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-      glBindTexture(GL_TEXTURE_2D, maps[static_cast<std::size_t>(unit)]);
-      glUniform1i(program.uniform(name), unit++);
-    }
-    for (const auto& [name, texture] : {std::pair<const char*, GLuint>("specular", specular), {"diffuse", diffuse}}) {
-      glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-      glBindTexture(GL_TEXTURE_CUBE_MAP, texture);
-      glUniform1i(program.uniform(name), unit++);
-    }
+    for (std::size_t i = 0; i < 4; ++i) program.bind(kMaps[i], GL_TEXTURE_2D, maps[i]);
+    program.bind("specular", GL_TEXTURE_CUBE_MAP, specular);
+    program.bind("diffuse", GL_TEXTURE_CUBE_MAP, diffuse);
     constexpr int kFrames = 16;
     std::chrono::steady_clock::time_point start;
     for (int i = 0; i <= kFrames; ++i) {

@@ -81,6 +81,23 @@ GLuint compile(GLenum kind, const std::string& source) {
   throw Error(log, kind == GL_VERTEX_SHADER ? "vertex" : "fragment");
 }
 
+std::vector<std::string> sampler_names(GLuint program) {
+  std::vector<std::string> names;
+  GLint count = 0;
+  glGetProgramiv(program, GL_ACTIVE_UNIFORMS, &count);
+  for (GLuint i = 0; i < static_cast<GLuint>(count); ++i) {
+    std::array<char, 256> name{};
+    GLint size = 0;
+    GLenum type = 0;
+    glGetActiveUniform(program, i, static_cast<GLsizei>(name.size()), nullptr, &size, &type, name.data());
+    const bool is_sampler = type == GL_SAMPLER_2D || type == GL_SAMPLER_3D || type == GL_SAMPLER_2D_ARRAY ||
+                            type == GL_SAMPLER_CUBE || type == GL_SAMPLER_2D_SHADOW ||
+                            type == GL_SAMPLER_2D_ARRAY_SHADOW;
+    if (is_sampler) names.emplace_back(name.data());
+  }
+  return names;
+}
+
 }  // namespace
 
 std::unique_ptr<Context> Context::open() {
@@ -150,27 +167,24 @@ Program::Program(const std::string& vertex, const std::string& fragment, const s
       glGetProgramInfoLog(program_, static_cast<GLsizei>(log.size()), nullptr, log.data());
       throw Error(log.data(), "link");
     }
+    glUseProgram(program_);
+    for (const std::string& name : sampler_names(program_)) {
+      const auto unit = static_cast<GLuint>(samplers_.size());
+      glUniform1i(uniform(name), static_cast<GLint>(unit));
+      samplers_[name] = unit;
+    }
   } catch (...) {
     glDeleteProgram(program_);
     throw;
   }
 }
 
-std::vector<std::string> Program::samplers() const {
-  std::vector<std::string> names;
-  GLint count = 0;
-  glGetProgramiv(program_, GL_ACTIVE_UNIFORMS, &count);
-  for (GLuint i = 0; i < static_cast<GLuint>(count); ++i) {
-    std::array<char, 256> name{};
-    GLint size = 0;
-    GLenum type = 0;
-    glGetActiveUniform(program_, i, static_cast<GLsizei>(name.size()), nullptr, &size, &type, name.data());
-    const bool is_sampler = type == GL_SAMPLER_2D || type == GL_SAMPLER_3D || type == GL_SAMPLER_2D_ARRAY ||
-                            type == GL_SAMPLER_CUBE || type == GL_SAMPLER_2D_SHADOW ||
-                            type == GL_SAMPLER_2D_ARRAY_SHADOW;
-    if (is_sampler) names.emplace_back(name.data());
-  }
-  return names;
+void Program::bind(const std::string& sampler, GLenum target, GLuint texture, GLuint sampler_object) const {
+  const auto entry = samplers_.find(sampler);
+  if (entry == samplers_.end()) return;
+  glActiveTexture(GL_TEXTURE0 + entry->second);
+  glBindTexture(target, texture);
+  glBindSampler(entry->second, sampler_object);
 }
 
 GLint Program::uniform(const std::string& name) const {

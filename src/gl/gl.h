@@ -67,7 +67,7 @@ using Sampler = Name<glGenSamplers, glDeleteSamplers>;
 class Program {
  public:
   /// `captured` are outputs of the vertex shader for transform feedback, interleaved. Throws Error with the driver's
-  /// log; its `where` is "vertex", "fragment" or "link".
+  /// log; its `where` is "vertex", "fragment" or "link". It is in use afterwards.
   Program(const std::string& vertex, const std::string& fragment, const std::vector<std::string>& captured = {});
   ~Program() { glDeleteProgram(program_); }
   Program(const Program&) = delete;
@@ -76,14 +76,17 @@ class Program {
   GLuint id() const { return program_; }
   /// -1 for one that the program does not read, as glUniform takes it.
   GLint uniform(const std::string& name) const;
-  /// Names of the samplers that the program really reads.
-  std::vector<std::string> samplers() const;
+  /// Samplers that the program really reads, each with a texture unit of its own from 0 on.
+  const std::map<std::string, GLuint>& samplers() const { return samplers_; }
+  /// Binds a texture, and a sampler object or none, to where a sampler reads it; nothing where the program has no such.
+  void bind(const std::string& sampler, GLenum target, GLuint texture, GLuint sampler_object = 0) const;
   /// Joins a uniform block to a binding point, where the program has it.
   void bind_block(const char* name, GLuint binding) const;
 
  private:
   GLuint program_;
   mutable std::map<std::string, GLint> uniforms_;
+  std::map<std::string, GLuint> samplers_;
 };
 
 /// Throws Error if GL has one pending; out of memory in words.

@@ -228,33 +228,24 @@ void GpuScene::add_mesh(const Mesh& mesh) {
 }
 
 void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
-  GLint alignment = 256, units = 16;
+  GLint alignment = 256;
   glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
-  glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
   const std::size_t stride = (sizeof(MaterialBlock) + static_cast<std::size_t>(alignment) - 1) /
                              static_cast<std::size_t>(alignment) * static_cast<std::size_t>(alignment);
   std::vector<std::byte> blocks(stride * scene.materials.size());
   const std::vector<PackedMaterial> packed = pack_textures(scene);
   for (const Material& m : scene.materials) {
     GpuMaterial& gpu = materials_.emplace_back();
+    gpu.name = m.name;
     gpu.key = make_key(m, model);
     gpu.is_double_sided = m.double_sided;
     gpu.block = static_cast<GLintptr>(stride * (materials_.size() - 1));
     const MaterialBlock block = make_block(m);
     std::memcpy(blocks.data() + gpu.block, &block, sizeof block);
     gpu.key.channels = packed[materials_.size() - 1].channels;
-    int unit = first_slot_unit;
     for (std::size_t i = 0; i < kSlots; ++i) {
       const TextureSource& source = packed[materials_.size() - 1].slots[i];
       if (source.image < 0) continue;
-      if (unit++ >= units) {
-        diagnostics.warn("the driver reads " + std::to_string(units) + " textures at once; left out: " + slot_name(i),
-                         m.name);
-        for (Channel* c : {&gpu.key.channels.metallic, &gpu.key.channels.roughness, &gpu.key.channels.occlusion}) {
-          if (c->slot == static_cast<int>(i)) *c = {};
-        }
-        continue;
-      }
       gpu.key.slots |= 1u << i;
       gpu.textures[i] = texture_for(scene, source, diagnostics);
       gpu.samplers[i] = sampler_for(scene.textures[static_cast<std::size_t>(texture_slots(m)[i]->texture)]);
@@ -351,24 +342,12 @@ bool GpuScene::has_scattering() const {
   return std::any_of(draws_.begin(), draws_.end(), [&](const Draw& d) { return material_of(d).key.is_scattering; });
 }
 
-void GpuScene::bind_material(const GpuMaterial& material) const {
+void GpuScene::bind_material(const GpuMaterial& material, const gl::Program& program) const {
   glBindBufferRange(GL_UNIFORM_BUFFER, material_binding, material_blocks_, material.block, sizeof(MaterialBlock));
-  GLuint unit = first_slot_unit;
   for (std::size_t i = 0; i < kSlots; ++i) {
     if (material.textures[i] == 0) continue;
-    glActiveTexture(GL_TEXTURE0 + unit);
-    glBindTexture(GL_TEXTURE_2D, material.textures[i]);
-    glBindSampler(unit, material.samplers[i]);
-    ++unit;
+    program.bind(std::string(slot_name(i)) + "_texture", GL_TEXTURE_2D, material.textures[i], material.samplers[i]);
   }
-}
-
-void GpuScene::bind_mask(const GpuMaterial& material) const {
-  glBindBufferRange(GL_UNIFORM_BUFFER, material_binding, material_blocks_, material.block, sizeof(MaterialBlock));
-  if (material.textures[0] == 0) return;
-  glActiveTexture(GL_TEXTURE0 + first_slot_unit);
-  glBindTexture(GL_TEXTURE_2D, material.textures[0]);
-  glBindSampler(first_slot_unit, material.samplers[0]);
 }
 
 void GpuScene::draw(std::size_t first, std::size_t count) const {

@@ -24,6 +24,7 @@ struct GpuPrimitive {
 };
 
 struct GpuMaterial {
+  std::string name;
   MaterialKey key;
   GLintptr block = 0;                     ///< its place in the buffer of all materials
   std::array<GLuint, kSlots> textures{};  ///< 0 where the slot is empty
@@ -63,10 +64,8 @@ class GpuScene {
   bool has_scattering() const;
   std::uint64_t triangle_count() const { return triangle_count_; }
 
-  /// Binds block and textures of a material to a program of its key.
-  void bind_material(const GpuMaterial& material) const;
-  /// Binds the base colour alone, as a depth program of a mask reads it.
-  void bind_mask(const GpuMaterial& material) const;
+  /// Binds the block of a material, and those of its textures that the program reads.
+  void bind_material(const GpuMaterial& material, const gl::Program& program) const;
   /// Draws `count` neighbours in draws(), all of one primitive and side, with the program in use.
   void draw(std::size_t first, std::size_t count = 1) const;
   bool are_alike(std::size_t a, std::size_t b) const {

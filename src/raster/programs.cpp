@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <utility>
 
 #include "base/error.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::size_t kBaseColorSlot = 0;
 constexpr std::size_t kHeightSlot = kSlots - 1;
+constexpr std::size_t kMostLightSamplers = 10;  // of a shader for surfaces, besides its material's
 const std::string kMeshFragment = "mesh.frag.glsl";
 constexpr std::array<const char*, kSlots> kSlotNames = {"base_color",
                                                         "metallic_roughness",
@@ -132,13 +134,27 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   return text;
 }
 
+/// Without the texture of its last slot, whose factors then stand alone.
+MaterialKey without_last_slot(MaterialKey key) {
+  const int last = std::bit_width(key.slots) - 1;
+  key.slots &= ~(1u << last);
+  for (Channel* c : {&key.channels.metallic, &key.channels.roughness, &key.channels.occlusion}) {
+    if (c->slot == last) *c = {};
+  }
+  return key;
+}
+
 }  // namespace
 
 const char* slot_name(std::size_t i) { return kSlotNames[i]; }
 
-Programs::Programs(const shade::ShadingModel& model, std::string folder)
+Programs::Programs(const shade::ShadingModel& model, std::string folder, int most_textures)
     : model_(model),
-      reader_(folder.empty() ? gl::ShaderText::Reader(read_embedded) : gl::read_from_folder(std::move(folder))) {}
+      reader_(folder.empty() ? gl::ShaderText::Reader(read_embedded) : gl::read_from_folder(std::move(folder))) {
+  GLint units = 16;
+  glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
+  most_textures_ = static_cast<std::size_t>(most_textures > 0 ? std::min(most_textures, units) : units);
+}
 
 void Programs::reload() {
   mesh_.clear();
@@ -147,12 +163,12 @@ void Programs::reload() {
 }
 
 std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const std::string& fragment,
-                                               const std::string& preamble, const MaterialKey& material) {
+                                               const std::string& preamble, bool has_layers) {
   const auto text_of = [&](const std::string& name) {
     gl::ShaderText text(reader_);
     text.add_text("defines", define("SHADE_FILTERED_TABLES"));
     text.add_text("defines of " + name, preamble);
-    if (name == kMeshFragment && material.lobes == 0) text.add_header("no_layers.glsl");
+    if (name == kMeshFragment && !has_layers) text.add_header("no_layers.glsl");
     text.add_header(name);
     return text;
   };
@@ -168,30 +184,30 @@ std::unique_ptr<gl::Program> Programs::compile(const std::string& vertex, const 
   program->bind_block("Frame", frame_binding);
   program->bind_block("Material", material_binding);
   program->bind_block("Lights", lights_binding);
-  glUseProgram(program->id());
-  static constexpr std::array<std::pair<const char*, int>, 10> kShared = {{{"shade_table_texels", table_unit},
-                                                                           {"shade_ggx_texels", ggx_table_unit},
-                                                                           {"specular_light", specular_unit},
-                                                                           {"diffuse_light", diffuse_unit},
-                                                                           {"sheen_light", sheen_unit},
-                                                                           {"shadow_maps", shadow_unit},
-                                                                           {"light_profiles", profile_unit},
-                                                                           {"opaque_picture", picture_unit},
-                                                                           {"screen_visibility", visibility_unit},
-                                                                           {"shadow_depths", shadow_depth_unit}}};
-  for (const auto& [name, unit] : kShared) glUniform1i(program->uniform(name), unit);
-  int unit = first_slot_unit;
-  for (std::size_t i = 0; i < kSlots; ++i) {
-    if ((material.slots >> i & 1u) != 0) glUniform1i(program->uniform(std::string(kSlotNames[i]) + "_texture"), unit++);
-  }
   return program;
 }
 
-const gl::Program& Programs::mesh(const MaterialKey& material, const PassKey& pass) {
-  std::unique_ptr<gl::Program>& program = mesh_[{material, pass}];
-  if (program == nullptr)
-    program = compile("mesh.vert.glsl", kMeshFragment, mesh_preamble(material, pass, model_), material);
-  return *program;
+SurfaceProgram Programs::compile_mesh(MaterialKey material, const PassKey& pass) {
+  const std::uint32_t wanted = material.slots;
+  for (;; material = without_last_slot(material)) {
+    SurfaceProgram result;
+    try {
+      result.program =
+          compile("mesh.vert.glsl", kMeshFragment, mesh_preamble(material, pass, model_), material.lobes != 0);
+    } catch (const Error&) {
+      // A driver may refuse what has more samplers than it can bind.
+      if (material.slots == 0 || std::popcount(material.slots) + kMostLightSamplers <= most_textures_) throw;
+    }
+    result.left_out = wanted & ~material.slots;
+    if (result.program != nullptr && (result.program->samplers().size() <= most_textures_ || material.slots == 0))
+      return result;
+  }
+}
+
+const SurfaceProgram& Programs::mesh(const MaterialKey& material, const PassKey& pass) {
+  SurfaceProgram& program = mesh_[{material, pass}];
+  if (program.program == nullptr) program = compile_mesh(material, pass);
+  return program;
 }
 
 const gl::Program& Programs::depth(const MaterialKey& material) {
@@ -206,14 +222,14 @@ const gl::Program& Programs::depth(const MaterialKey& material) {
   if (program == nullptr) {
     const bool is_mask = key.alpha_mode == AlphaMode::mask;
     program = compile("depth.vert.glsl", "depth.frag.glsl",
-                      slots_text(key, key.slots) + (is_mask ? define("ALPHA_MASK") : ""), key);
+                      slots_text(key, key.slots) + (is_mask ? define("ALPHA_MASK") : ""), false);
   }
   return *program;
 }
 
 const gl::Program& Programs::fullscreen(const std::string& fragment, const std::string& preamble) {
   std::unique_ptr<gl::Program>& program = fullscreen_[{fragment, preamble}];
-  if (program == nullptr) program = compile("fullscreen.vert.glsl", fragment, preamble, {});
+  if (program == nullptr) program = compile("fullscreen.vert.glsl", fragment, preamble, false);
   return *program;
 }
 

@@ -49,28 +49,20 @@ struct PassKey {
   auto operator<=>(const PassKey&) const = default;  // NOLINT(modernize-use-nullptr): there is none
 };
 
-/// Where textures are bound, the same in every program; a material's own follow.
-enum Unit : int {
-  table_unit,
-  ggx_table_unit,
-  specular_unit,
-  diffuse_unit,
-  sheen_unit,
-  shadow_unit,
-  profile_unit,
-  picture_unit,
-  visibility_unit,
-  shadow_depth_unit,
-  first_slot_unit
+/// A program for surfaces.
+struct SurfaceProgram {
+  std::unique_ptr<gl::Program> program;
+  std::uint32_t left_out = 0;  ///< slots of the key for whose textures the driver has no room
 };
 
 /// The programs, each compiled when it is first asked for.
 class Programs {
  public:
   /// `folder` holds shaders to be read instead of those in the program: its files by name, src/shade's as shade/….
-  explicit Programs(const shade::ShadingModel& model, std::string folder = {});
+  /// A shader reads `most_textures` at once, or as many as the driver lets it.
+  explicit Programs(const shade::ShadingModel& model, std::string folder = {}, int most_textures = 0);
 
-  const gl::Program& mesh(const MaterialKey& material, const PassKey& pass);
+  const SurfaceProgram& mesh(const MaterialKey& material, const PassKey& pass);
   /// Depth alone, for shadows.
   const gl::Program& depth(const MaterialKey& material);
   /// A fragment shader over the whole picture: "present.frag.glsl".
@@ -83,16 +75,18 @@ class Programs {
 
  private:
   std::unique_ptr<gl::Program> compile(const std::string& vertex, const std::string& fragment,
-                                       const std::string& preamble, const MaterialKey& material);
+                                       const std::string& preamble, bool has_layers);
+  SurfaceProgram compile_mesh(MaterialKey material, const PassKey& pass);
 
   shade::ShadingModel model_;
   gl::ShaderText::Reader reader_;
-  std::map<std::pair<MaterialKey, PassKey>, std::unique_ptr<gl::Program>> mesh_;
+  std::size_t most_textures_ = 0;
+  std::map<std::pair<MaterialKey, PassKey>, SurfaceProgram> mesh_;
   std::map<MaterialKey, std::unique_ptr<gl::Program>> depth_;
   std::map<std::pair<std::string, std::string>, std::unique_ptr<gl::Program>> fullscreen_;
 };
 
-/// The sampler of texture_slots(material)[i] in the shaders.
+/// Of texture_slots(material)[i] in the shaders, whose sampler is name_texture.
 const char* slot_name(std::size_t i);
 
 }  // namespace candela::raster

@@ -37,6 +37,7 @@ struct Settings {
   bool has_soft_shadows = false;
   float light_radius = 0.0f;            ///< metres
   Quantity quantity = Quantity::light;  ///< shown in place of all light; then without a background
+  int most_textures = 0;                ///< that a shader reads at once; 0: what the driver has. The least of any is 16
   int shown_light = 0;                  ///< of Quantity::one_light, the strongest is 0
   shade::ShadingModel shading = shade::shading_model_candela();
   std::set<Layer> layers{};

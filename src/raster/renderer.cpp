@@ -27,12 +27,6 @@ void wrap(GLenum target, GLint s, GLint t) {
   glTexParameteri(target, GL_TEXTURE_WRAP_T, t);
 }
 
-void bind(int unit, GLenum target, GLuint texture) {
-  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
-  glBindTexture(target, texture);
-  glBindSampler(static_cast<GLuint>(unit), 0);
-}
-
 /// Draws into the first `count` pictures of the framebuffer that is bound.
 void use_color_attachments(GLsizei count) {
   constexpr std::array<GLenum, 3> kAll = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
@@ -93,7 +87,7 @@ Renderer::Renderer(const Scene& scene, const Environment& environment, const Set
       environment_(environment),
       settings_(settings),
       diagnostics_(diagnostics),
-      programs_(settings.shading, settings.shader_folder),
+      programs_(settings.shading, settings.shader_folder, settings.most_textures),
       gpu_(scene, settings.shading, diagnostics),
       expects_light_(is_lit_from_far(environment)) {
   if (!gl::has_extension("GL_EXT_color_buffer_float") && !gl::has_extension("GL_EXT_color_buffer_half_float")) {
@@ -144,9 +138,9 @@ void Renderer::bind_probe(std::size_t draw, const gl::Program& program) {
               static_cast<float>(nearest->levels));
   glUniform3fv(program.uniform("probe_low"), 1, &nearest->box.lower.x);
   glUniform3fv(program.uniform("probe_high"), 1, &nearest->box.upper.x);
-  bind(specular_unit, GL_TEXTURE_CUBE_MAP, nearest->specular);
-  bind(diffuse_unit, GL_TEXTURE_CUBE_MAP, nearest->diffuse);
-  bind(sheen_unit, GL_TEXTURE_CUBE_MAP, nearest->sheen);
+  program.bind("specular_light", GL_TEXTURE_CUBE_MAP, nearest->specular);
+  program.bind("diffuse_light", GL_TEXTURE_CUBE_MAP, nearest->diffuse);
+  program.bind("sheen_light", GL_TEXTURE_CUBE_MAP, nearest->sheen);
 }
 
 void Renderer::set_scene(const Scene& scene) {
@@ -319,7 +313,7 @@ void Renderer::draw_shadows() {
       const gl::Program& program = programs_.depth(material.key);
       glUseProgram(program.id());
       glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &clip_from_world[0][0]);
-      if (material.key.alpha_mode == AlphaMode::mask) gpu_.bind_mask(material);
+      if (material.key.alpha_mode == AlphaMode::mask) gpu_.bind_material(material, program);
       gpu_.draw(i, end - i);
     }
   }
@@ -327,7 +321,7 @@ void Renderer::draw_shadows() {
   gl::check("drawing shadows");
 }
 
-void Renderer::bind_shared(const FrameCamera& camera) {
+void Renderer::bind_frame(const FrameCamera& camera) {
   FrameBlock block;
   block.clip_from_world = camera.clip_from_world;
   block.eye = vec4(camera.eye, camera.is_perspective ? 1.0f : 0.0f);
@@ -345,17 +339,19 @@ void Renderer::bind_shared(const FrameCamera& camera) {
   glBufferData(GL_UNIFORM_BUFFER, sizeof block, &block, GL_DYNAMIC_DRAW);
   glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_block_);
   glBindBufferBase(GL_UNIFORM_BUFFER, lights_binding, lights_block_);
-  bind(table_unit, GL_TEXTURE_2D, table_);
-  bind(ggx_table_unit, GL_TEXTURE_2D, ggx_table_);
-  bind(specular_unit, GL_TEXTURE_CUBE_MAP, specular_);
-  bind(diffuse_unit, GL_TEXTURE_CUBE_MAP, diffuse_);
-  bind(sheen_unit, GL_TEXTURE_CUBE_MAP, sheen_);
-  bind(shadow_unit, GL_TEXTURE_2D_ARRAY, shadows_);
-  bind(shadow_depth_unit, GL_TEXTURE_2D_ARRAY, shadows_);
-  glBindSampler(shadow_depth_unit, depth_sampler_);
-  bind(profile_unit, GL_TEXTURE_2D_ARRAY, profiles_);
-  bind(picture_unit, GL_TEXTURE_2D, opaque_picture_);
-  bind(visibility_unit, GL_TEXTURE_2D, visibility_[1]);
+}
+
+void Renderer::bind_light(const gl::Program& program) const {
+  program.bind("shade_table_texels", GL_TEXTURE_2D, table_);
+  program.bind("shade_ggx_texels", GL_TEXTURE_2D, ggx_table_);
+  program.bind("specular_light", GL_TEXTURE_CUBE_MAP, specular_);
+  program.bind("diffuse_light", GL_TEXTURE_CUBE_MAP, diffuse_);
+  program.bind("sheen_light", GL_TEXTURE_CUBE_MAP, sheen_);
+  program.bind("shadow_maps", GL_TEXTURE_2D_ARRAY, shadows_);
+  program.bind("shadow_depths", GL_TEXTURE_2D_ARRAY, shadows_, depth_sampler_);
+  program.bind("light_profiles", GL_TEXTURE_2D_ARRAY, profiles_);
+  program.bind("opaque_picture", GL_TEXTURE_2D, opaque_picture_);
+  program.bind("screen_visibility", GL_TEXTURE_2D, visibility_[1]);
 }
 
 void Renderer::make_occlusion_targets() {
@@ -392,12 +388,10 @@ void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const Fram
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);
   glBindVertexArray(nothing_);
-  bind(first_slot_unit, GL_TEXTURE_2D, depth_map_);
-  bind(first_slot_unit + 1, GL_TEXTURE_2D, visibility_[0]);
   glBindFramebuffer(GL_FRAMEBUFFER, visibility_framebuffer_[0]);
   const gl::Program& horizons = programs_.fullscreen("occlusion.frag.glsl");
   glUseProgram(horizons.id());
-  glUniform1i(horizons.uniform("depth_map"), first_slot_unit);
+  horizons.bind("depth_map", GL_TEXTURE_2D, depth_map_);
   glUniformMatrix4fv(horizons.uniform("clip_from_camera"), 1, GL_FALSE, &camera.clip_from_camera[0][0]);
   const float pixels = 0.25f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1];
   glUniform4f(horizons.uniform("reach"), settings_.occlusion_radius * glm::length(gpu_.bounds().size()), pixels,
@@ -406,8 +400,8 @@ void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const Fram
   glBindFramebuffer(GL_FRAMEBUFFER, visibility_framebuffer_[1]);
   const gl::Program& blur = programs_.fullscreen("occlusion_blur.frag.glsl");
   glUseProgram(blur.id());
-  glUniform1i(blur.uniform("depth_map"), first_slot_unit);
-  glUniform1i(blur.uniform("visibility_map"), first_slot_unit + 1);
+  blur.bind("depth_map", GL_TEXTURE_2D, depth_map_);
+  blur.bind("visibility_map", GL_TEXTURE_2D, visibility_[0]);
   glUniformMatrix4fv(blur.uniform("clip_from_camera"), 1, GL_FALSE, &camera.clip_from_camera[0][0]);
   glUniform1f(blur.uniform("is_perspective"), camera.is_perspective ? 1.0f : 0.0f);
   glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -429,11 +423,8 @@ void Renderer::draw_scattering(const FrameCamera& camera) {
   use_color_attachments(1);
   const gl::Program& program = programs_.fullscreen("scattering.frag.glsl");
   glUseProgram(program.id());
-  for (std::size_t i = 0; i < scattered_.size(); ++i) {
-    bind(first_slot_unit + static_cast<int>(i), GL_TEXTURE_2D, scattered_[i]);
-  }
-  glUniform1i(program.uniform("scattered_light"), first_slot_unit);
-  glUniform1i(program.uniform("scattering_width"), first_slot_unit + 1);
+  program.bind("scattered_light", GL_TEXTURE_2D, scattered_[0]);
+  program.bind("scattering_width", GL_TEXTURE_2D, scattered_[1]);
   glUniform4f(program.uniform("scale"), 0.5f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1],
               camera.is_perspective ? 1.0f : 0.0f, static_cast<float>(frame_) * 0.618034f, 0.0f);
   glBindVertexArray(nothing_);
@@ -480,8 +471,7 @@ void Renderer::draw_background(const FrameCamera& camera) {
   const vec3 constant = environment_.constant * environment_.intensity;
   glUniform3fv(program.uniform("constant_light"), 1, &constant.x);
   if (has_map) {
-    bind(first_slot_unit, GL_TEXTURE_2D, panorama_);
-    glUniform1i(program.uniform("panorama"), first_slot_unit);
+    program.bind("panorama", GL_TEXTURE_2D, panorama_);
     glUniform1f(program.uniform("intensity"), environment_.intensity);
   }
   if (sun_count > 0) {
@@ -496,15 +486,27 @@ void Renderer::draw_background(const FrameCamera& camera) {
   glDepthMask(GL_TRUE);
 }
 
+void Renderer::tell_left_out(const GpuMaterial& material, std::uint32_t slots) {
+  if (!told_materials_.insert(material.block).second) return;
+  std::string names;
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    if ((slots >> i & 1u) != 0) names += std::string(names.empty() ? "" : ", ") + slot_name(i);
+  }
+  diagnostics_.warn("more textures than the driver reads at once; left out: " + names, material.name);
+}
+
 void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pass) {
   const Draw& d = gpu_.draws()[first];
   const GpuMaterial& material = gpu_.material_of(d);
-  const gl::Program& program = programs_.mesh(material.key, pass);
+  const SurfaceProgram& surface = programs_.mesh(material.key, pass);
+  if (surface.left_out != 0) tell_left_out(material, surface.left_out);
+  const gl::Program& program = *surface.program;
   glUseProgram(program.id());
+  bind_light(program);
   if (pass.has_probes) bind_probe(first, program);
   if (pass.has_areas) glUniform1i(program.uniform("own_area"), area_of_draw_[first]);
   if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.node + 1));
-  gpu_.bind_material(material);
+  gpu_.bind_material(material, program);
   gpu_.draw(first, count);
 }
 
@@ -518,7 +520,7 @@ void Renderer::draw_depth(const std::vector<std::size_t>& order, const FrameCame
     const gl::Program& program = programs_.depth(material.key);
     glUseProgram(program.id());
     glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &camera.clip_from_world[0][0]);
-    if (is_mask) gpu_.bind_mask(material);
+    if (is_mask) gpu_.bind_material(material, program);
     if (material.is_double_sided) {
       glDisable(GL_CULL_FACE);
     } else {
@@ -571,7 +573,7 @@ void Renderer::resolve(GLuint framebuffer) {
 
 void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   const FrameCamera camera = frame_camera(view, settings_.width, settings_.height, gpu_.bounds(), jitter, aperture);
-  bind_shared(camera);
+  bind_frame(camera);
 
   // ----- what is drawn when
   std::vector<std::size_t> opaque, transmissive, blended;
@@ -648,7 +650,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
     if (pass.has_opaque_picture) {
       resolve(picture_framebuffer_);
       glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
-      bind(picture_unit, GL_TEXTURE_2D, opaque_picture_);
+      glBindTexture(GL_TEXTURE_2D, opaque_picture_);
       glGenerateMipmap(GL_TEXTURE_2D);
     }
     draw_surfaces(transmissive, pass, camera);
@@ -712,8 +714,7 @@ void Renderer::present(ivec2 size, float exposure, ToneCurve tone_curve) {
   glDisable(GL_CULL_FACE);
   const gl::Program& program = programs_.fullscreen("present.frag.glsl");
   glUseProgram(program.id());
-  bind(first_slot_unit, GL_TEXTURE_2D, resolved_);
-  glUniform1i(program.uniform("picture"), first_slot_unit);
+  program.bind("picture", GL_TEXTURE_2D, resolved_);
   glUniform1f(program.uniform("exposure"), exposure);
   glUniform1i(program.uniform("tone_curve"), static_cast<GLint>(tone_curve));
   glBindVertexArray(nothing_);
@@ -730,7 +731,7 @@ void Renderer::resize(int width, int height) {
 
 Image Renderer::read_layer(const View& view, Layer layer) {
   const FrameCamera camera = frame_camera(view, settings_.width, settings_.height, gpu_.bounds());
-  bind_shared(camera);
+  bind_frame(camera);
   Target target;
   glBindRenderbuffer(GL_RENDERBUFFER, target.color);
   glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, settings_.width, settings_.height);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "image/develop.h"
@@ -64,7 +65,9 @@ class Renderer {
   void make_occlusion_targets();
   void draw_occlusion(const std::vector<std::size_t>& opaque, const FrameCamera& camera);
   void upload_table();
-  void bind_shared(const FrameCamera& camera);
+  void bind_frame(const FrameCamera& camera);
+  void bind_light(const gl::Program& program) const;
+  void tell_left_out(const GpuMaterial& material, std::uint32_t slots);
   void find_area_lights(Diagnostics& diagnostics);
   void draw_shadows();
   void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks);
@@ -90,6 +93,7 @@ class Renderer {
   std::vector<int> area_of_draw_;  ///< which area light a draw is, -1 none
   bool is_begun_ = false;
   Diagnostics told_;  ///< warnings that were given before
+  std::set<GLintptr> told_materials_;
   bool has_light_ = false;
   bool expects_light_ = false;  ///< the environment is more than suns
   int frame_ = 0;

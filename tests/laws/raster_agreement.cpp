@@ -438,6 +438,40 @@ TEST_F(law_raster, textures_that_share_channels_look_as_if_they_did_not) {
   EXPECT_LT(most, 0.01);  // drivers may filter colours and data with different precision
 }
 
+TEST_F(law_raster, textures_that_a_driver_cannot_read_at_once_are_left_out_and_told) {
+  SceneBuilder b;
+  Material m = plastic({0.6f, 0.5f, 0.4f}, 0.5f);
+  m.name = "paint";
+  m.clearcoat = 1.0f, m.clearcoat_roughness = 0.5f;
+  const std::vector<std::uint8_t> gray(16, 128);
+  m.base_color_texture = slot(b.add_texture(2, 2, gray));
+  m.clearcoat_texture = slot(b.add_texture(2, 2, gray));
+  m.clearcoat_roughness_texture = slot(b.add_texture(2, 2, gray));
+  b.add(sphere(vec3(0.0f), 1.0f, 4, false), m);
+  const Scene scene = b.build();
+  const auto picture = [&](const Scene& drawn_scene, int most, Diagnostics& diagnostics) {
+    raster::Settings s = drawn(kSize);
+    s.most_textures = most;
+    s.frames = 2;
+    return raster::render(drawn_scene, constant_environment(vec3(1.0f)), sphere_view(), s, diagnostics).beauty;
+  };
+  // Two tables and two cubes of light leave three.
+  Diagnostics enough;
+  const Image whole = picture(scene, 0, enough);
+  EXPECT_EQ(largest_difference(picture(scene, 7, enough), whole), 0.0);
+  EXPECT_TRUE(enough.warnings().empty());
+
+  Diagnostics few;
+  const Image partial = picture(scene, 5, few);
+  ASSERT_EQ(few.warnings().size(), 1u);
+  EXPECT_NE(few.warnings()[0].message.find("clearcoat, clearcoat_roughness"), std::string::npos)
+      << few.warnings()[0].message;
+  Scene plain = scene;
+  plain.materials[0].clearcoat_texture = plain.materials[0].clearcoat_roughness_texture = {};
+  EXPECT_EQ(largest_difference(partial, picture(plain, 0, enough)), 0.0);
+  EXPECT_GT(largest_difference(partial, whole), 0.0);
+}
+
 TEST_F(law_raster, textures_beyond_the_drivers_limit_are_halved_and_told) {
   constexpr int kWide = 40000;  // more than any driver takes
   for (const bool has_16_bits : {false, true}) {

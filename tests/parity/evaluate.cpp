@@ -62,19 +62,17 @@ gl::Texture upload_inputs(const Function& function, const std::vector<float>& in
                  .texels = std::move(texels)});
 }
 
-/// Every sampler that the program reads gets a texture unit and its texels.
+/// Every sampler that the program reads gets its texels.
 std::vector<gl::Texture> bind_textures(const gl::Program& program, const Function& function,
                                        const std::vector<float>& inputs, const std::vector<Table>& known) {
   std::vector<gl::Texture> textures;
-  for (const std::string& name : program.samplers()) {
-    const auto unit = static_cast<GLint>(textures.size());
+  for (const auto& [name, unit] : program.samplers()) {
     const auto table = std::find_if(known.begin(), known.end(), [&](const Table& t) { return t.uniform == name; });
     if (name != "parity_inputs" && table == known.end()) {
       throw Error("the shared text reads a sampler without a row in tests/parity/tables.cpp", name);
     }
-    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+    glActiveTexture(GL_TEXTURE0 + unit);
     textures.push_back(name == "parity_inputs" ? upload_inputs(function, inputs) : upload(*table));
-    glUniform1i(program.uniform(name), unit);
   }
   return textures;
 }
