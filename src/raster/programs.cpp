@@ -136,7 +136,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
 
 /// Without the texture of its last slot, whose factors then stand alone.
 MaterialKey without_last_slot(MaterialKey key) {
-  const int last = std::bit_width(key.slots) - 1;
+  const int last = static_cast<int>(std::bit_width(key.slots)) - 1;
   key.slots &= ~(1u << last);
   for (Channel* c : {&key.channels.metallic, &key.channels.roughness, &key.channels.occlusion}) {
     if (c->slot == last) *c = {};
@@ -196,7 +196,9 @@ SurfaceProgram Programs::compile_mesh(MaterialKey material, const PassKey& pass)
           compile("mesh.vert.glsl", kMeshFragment, mesh_preamble(material, pass, model_), material.lobes != 0);
     } catch (const Error&) {
       // A driver may refuse what has more samplers than it can bind.
-      if (material.slots == 0 || std::popcount(material.slots) + kMostLightSamplers <= most_textures_) throw;
+      if (material.slots == 0 ||
+          static_cast<std::size_t>(std::popcount(material.slots)) + kMostLightSamplers <= most_textures_)
+        throw;
     }
     result.left_out = wanted & ~material.slots;
     if (result.program != nullptr && (result.program->samplers().size() <= most_textures_ || material.slots == 0))

@@ -66,12 +66,13 @@ gl::Texture upload_inputs(const Function& function, const std::vector<float>& in
 std::vector<gl::Texture> bind_textures(const gl::Program& program, const Function& function,
                                        const std::vector<float>& inputs, const std::vector<Table>& known) {
   std::vector<gl::Texture> textures;
-  for (const auto& [name, unit] : program.samplers()) {
+  for (const auto& sampler : program.samplers()) {
+    const std::string& name = sampler.first;
     const auto table = std::find_if(known.begin(), known.end(), [&](const Table& t) { return t.uniform == name; });
     if (name != "parity_inputs" && table == known.end()) {
       throw Error("the shared text reads a sampler without a row in tests/parity/tables.cpp", name);
     }
-    glActiveTexture(GL_TEXTURE0 + unit);
+    glActiveTexture(GL_TEXTURE0 + sampler.second);
     textures.push_back(name == "parity_inputs" ? upload_inputs(function, inputs) : upload(*table));
   }
   return textures;
