@@ -35,6 +35,26 @@ TEST(unit_image_bloom, a_spot_keeps_its_light_and_gives_a_share_away) {
   EXPECT_EQ(sum(bloomed(before, 0.0f)), sum(before));
 }
 
+TEST(unit_image_bloom, light_spreads_alike_to_all_sides) {
+  Image before(64, 64, 3);
+  before.set_rgb(20, 41, vec3(100.0f));
+  before.set_rgb(33, 7, vec3(3.0f));
+  const auto turned = [](const Image& image, int turn) {
+    Image result(image.width, image.height, 3);
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const int right = image.width - 1 - x, below = image.height - 1 - y;
+        result.set_rgb(x, y, turn == 0 ? image.rgb(right, y) : turn == 1 ? image.rgb(x, below) : image.rgb(y, x));
+      }
+    }
+    return result;
+  };
+  for (int turn = 0; turn < 3; ++turn) {
+    const Image expected = turned(bloomed(before, 0.4f), turn), found = bloomed(turned(before, turn), 0.4f);
+    for (std::size_t i = 0; i < expected.pixels.size(); ++i) EXPECT_NEAR(found.pixels[i], expected.pixels[i], 1e-5f);
+  }
+}
+
 TEST(unit_image_bloom, what_is_not_finite_stays_where_it_is) {
   Image image = spot(64, std::numeric_limits<float>::infinity());
   image.set_rgb(3, 3, vec3(std::numeric_limits<float>::quiet_NaN()));

@@ -48,10 +48,14 @@ TEST(unit_io_gltf_animation, linear_keys_are_joined_by_straight_lines) {
 }
 
 TEST(unit_io_gltf_animation, steps_hold_until_the_next_key) {
-  const Builder b = with_output("scale", "STEP", {0, 1, 2}, {1, 1, 1, 2, 2, 2, 3, 3, 3}, 3);
-  EXPECT_EQ(scene_at(b, 0.999).nodes[0].world_from_node[0][0], 1.0f);
-  EXPECT_EQ(scene_at(b, 1.0).nodes[0].world_from_node[0][0], 2.0f);
-  EXPECT_EQ(scene_at(b, 2.5).nodes[0].world_from_node[0][0], 3.0f);
+  const Builder b = with_output("scale", "STEP", {0, 1, 2}, {1, 4, 7, 2, 5, 8, 3, 6, 9}, 3);
+  const auto scale_at = [&](double t) {
+    const mat4 m = scene_at(b, t).nodes[0].world_from_node;
+    return vec3(m[0][0], m[1][1], m[2][2]);
+  };
+  EXPECT_EQ(scale_at(0.999), vec3(1, 4, 7));
+  EXPECT_EQ(scale_at(1.0), vec3(2, 5, 8));
+  EXPECT_EQ(scale_at(2.5), vec3(3, 6, 9));
 }
 
 TEST(unit_io_gltf_animation, rotations_turn_evenly_and_the_shorter_way) {
@@ -67,10 +71,30 @@ TEST(unit_io_gltf_animation, rotations_turn_evenly_and_the_shorter_way) {
 }
 
 TEST(unit_io_gltf_animation, cubic_splines_follow_their_tangents) {
-  // One axis holds t³ over a span of 2 s, which a cubic with the right tangents is exactly.
+  // One axis holds 1 + 2t + t³ over a span of 2 s, which a cubic with the right tangents is exactly.
   const Builder b = with_output("translation", "CUBICSPLINE", {0, 2},
-                                {0, 0, 0, 0, 0, 0, 0, 0, 0, /**/ 12, 0, 0, 8, 0, 0, 0, 0, 0}, 3);
-  for (const float t : {0.3f, 1.0f, 1.7f}) EXPECT_NEAR(place_of(scene_at(b, t)).x, t * t * t, 1e-4f);
+                                {0, 0, 0, 1, 0, 0, 2, 0, 0, /**/ 14, 0, 0, 13, 0, 0, 0, 0, 0}, 3);
+  for (const float t : {0.3f, 1.0f, 1.7f}) EXPECT_NEAR(place_of(scene_at(b, t)).x, 1 + 2 * t + t * t * t, 1e-4f);
+}
+
+TEST(unit_io_gltf_animation, splines_of_rotations_stay_rotations) {
+  // Half way between the two quaternions there is one that is shorter than 1.
+  const float s = std::sin(kPi / 3), c = std::cos(kPi / 3);
+  const Builder b = with_output("rotation", "CUBICSPLINE", {0, 1},
+                                {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, /**/ 0, 0, 0, 0, 0, 0, s, c, 0, 0, 0, 0}, 4);
+  const vec4 x = scene_at(b, 0.5).nodes[0].world_from_node[0];
+  EXPECT_NEAR(x.x, std::cos(kPi / 3), 1e-5f);
+  EXPECT_NEAR(x.y, std::sin(kPi / 3), 1e-5f);
+}
+
+TEST(unit_io_gltf_animation, nodes_with_a_matrix_rest) {
+  Builder b = with_output("translation", "LINEAR", {0, 1}, {0, 0, 0, 4, 8, -2}, 3);
+  b.root["nodes"][0]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 0, 0, 1};
+  Diagnostics diagnostics;
+  GltfFile file(b.glb(), {}, "test", diagnostics);
+  EXPECT_EQ(place_of(file.scene(diagnostics, Pose{{}, 0.5})), vec3(7, 0, 0));
+  ASSERT_FALSE(diagnostics.warnings().empty());
+  EXPECT_THAT(diagnostics.warnings().back().message, HasSubstr("cannot be animated"));
 }
 
 TEST(unit_io_gltf_animation, weights_move_morph_targets) {
@@ -106,12 +130,18 @@ TEST(unit_io_gltf_animation, one_is_chosen_by_name_or_index_or_all_play) {
   EXPECT_EQ(both.nodes[0].world_from_node[0][0], 2.0f);
   EXPECT_EQ(place_of(both), vec3(2, 0, 0));
   EXPECT_THAT(pose_error(b, "fly"), HasSubstr("there is no animation 'fly'; the file has: move, grow"));
+  EXPECT_THAT(pose_error(b, "1st"), HasSubstr("there is no animation '1st'"));
   EXPECT_THAT(pose_error(triangle(), "fly"), HasSubstr("the file has: none"));
   EXPECT_EQ(pose_error(triangle()), "loaded");
 }
 
 TEST(unit_io_gltf_animation, info_lists_them) {
-  const Builder b = with_output("translation", "LINEAR", {0, 2.5f}, {0, 0, 0, 2, 0, 0}, 3);
+  Builder b = with_output("translation", "LINEAR", {0, 2.5f}, {0, 0, 0, 2, 0, 0}, 3);
+  const int shorter = b.floats({0, 1}, "SCALAR", 1);
+  b.root["accessors"][static_cast<std::size_t>(shorter)]["max"] = {1};
+  json sampler = b.root["animations"][0]["samplers"][0];
+  sampler["input"] = shorter;
+  b.root["animations"][0]["samplers"].push_back(sampler);
   Diagnostics diagnostics;
   const GltfFile file(b.glb(), {}, "test", diagnostics);
   ASSERT_EQ(file.info().animations.size(), 1u);
@@ -137,6 +167,8 @@ TEST(unit_io_gltf_animation, bad_ones_are_errors) {
               HasSubstr("must ascend"));
   EXPECT_THAT(pose_error(with_output("translation", "LINEAR", {0, 1, 2}, {0, 0, 0, 1, 1, 1}, 3)),
               HasSubstr("2 numbers for each key of a translation"));
+  EXPECT_THAT(pose_error(with_output("translation", "LINEAR", {0, 1}, {0, 0, 0, 1, 1, 1, 2, 2, 2}, 3)),
+              HasSubstr("9 numbers do not fit 2 keys"));
   EXPECT_THAT(pose_error(with_output("translation", "CUBICSPLINE", {0, 1}, {0, 0, 0, 1, 1, 1}, 3)),
               HasSubstr("numbers for each key"));
   EXPECT_THAT(pose_error(with_output("translation", "LINEAR", {0, 1}, {0, 0, 0, 1, 1, 1, 1, 1}, 4)),
