@@ -167,7 +167,7 @@ MaterialKey make_key(const Material& m, const shade::ShadingModel& model) {
   key.alpha_mode = m.alpha_mode;
   key.has_body = m.transmission > 0.0f && m.has_volume();
   key.is_scattering = is_scattering(m);
-  key.emissive = max_component(m.emission) <= 0.0f ? 0 : m.double_sided ? 2 : 1;
+  key.is_emissive = max_component(m.emission) > 0.0f;
   const auto slots = texture_slots(m);
   key.is_plain_uv = std::all_of(slots.begin(), slots.end(), [](const TextureSlot* s) { return is_plain(*s); });
   return key;

@@ -26,7 +26,7 @@ struct MaterialKey {
   bool is_unlit = false;
   bool is_specular_glossiness = false;
   bool is_plain_uv = false;  ///< every slot reads the first set as it is
-  int emissive = 0;          ///< 1: the front, 2: both sides
+  bool is_emissive = false;
   AlphaMode alpha_mode = AlphaMode::opaque;
 
   auto operator<=>(const MaterialKey&) const = default;  // NOLINT(modernize-use-nullptr): there is none

@@ -192,6 +192,24 @@ TEST_F(law_raster, shadows_fall_where_the_path_tracer_has_them) {
   }
 }
 
+TEST_F(law_raster, profiles_of_lamps_are_turned_as_in_the_path_tracer) {
+  SceneBuilder b;
+  b.add(plane(vec3(0.0f), 3.0f), matte(vec3(0.8f)));
+  IesProfile profile;
+  profile.vertical_deg = {0, 30, 60, 90};
+  profile.horizontal_deg = {0, 90, 180, 270, 360};
+  profile.candela = {10, 40, 20, 0, 10, 20, 35, 5, 10, 5, 10, 20, 10, 12, 3, 1, 10, 40, 20, 0};
+  b.scene().ies_profiles.push_back(profile);
+  Light lamp = point_light(vec3(1.0f), 1.0f);
+  lamp.ies = 0;
+  b.add_light(lamp, translation({0.2f, 1.5f, -0.1f}) * rotation({0, 1, 0}, 0.4f) * rotation({1, 0, 0}, -1.3f));
+  const View view = look_at({0.0f, 5.0f, 0.01f}, vec3(0.0f), 0.9f);
+  const Film expected = trace_direct(b.build(), view, kSize);
+  const Agreement a = compare(expected.beauty, draw(b.build(), dark_environment(), view, drawn(kSize)).beauty, 0.05);
+  EXPECT_GT(a.compared, kSize * kSize / 2);
+  EXPECT_LT(a.worst, 0.02) << a.at.x << "," << a.at.y;  // the profile is a table of halves
+}
+
 TEST_F(law_raster, white_surfaces_are_invisible_in_the_furnace) {
   const auto departure = [](const Material& material) {
     SceneBuilder b;
@@ -371,6 +389,48 @@ TEST_F(law_raster, light_spreads_in_bodies_and_none_is_lost) {
   EXPECT_NEAR(mean_luminance(wide) / mean_luminance(narrow), 1.0, 0.06);
 }
 
+TEST_F(law_raster, an_edge_of_light_fades_in_a_body_by_its_profile) {
+  // Sun from above, cut off at x = 0 by a wall that hardly scatters; the floor spreads it.
+  Material wax = plastic(vec3(1.0f), 0.5f);
+  wax.specular = 0.0f;
+  wax.diffuse_transmission = 1.0f;
+  wax.thickness = 2.0f;
+  wax.multiscatter_color = vec3(0.8f);
+  wax.attenuation_color = vec3(0.36787944f);
+  wax.attenuation_distance = 0.1f;
+  SceneBuilder b;
+  b.add(plane(vec3(0.0f), 3.0f), wax);
+  b.add(box({-3.0f, 1.0f, -3.0f}, {0.0f, 1.1f, 3.0f}), matte(vec3(0.0f)));
+  b.add_light(sunlight(vec3(1.0f), 3.0f), aimed({0.0f, 5.0f, 0.0f}, vec3(0.0f)));
+  // From below the wall, along the floor's normal but for a little.
+  const View view = look_at({0.0f, 0.95f, 0.0f}, {0.0f, 0.0f, 0.001f}, 1.2f);
+  raster::Settings many = drawn(kSize);
+  many.frames = 32;
+  const Image found = draw(b.build(), dark_environment(), view, many).beauty;
+  // The profile (exp(-r/d) + exp(-r/3d)) / (8 π d r) of Christensen & Burley 2015 over the lit half plane.
+  constexpr double kMeanFreePath = 0.1, kAlbedo = 0.8;
+  const double d = kMeanFreePath / (1.85 - kAlbedo + 7.0 * std::pow(std::abs(kAlbedo - 0.8), 3.0));
+  const auto lit_share = [&](double x) {
+    double sum = 0.0, all = 0.0;
+    for (int i = 0; i < 4000; ++i) {
+      const double r = 40.0 * d * (i + 0.5) / 4000.0;
+      const double density = (std::exp(-r / d) + std::exp(-r / (3.0 * d))) / (4.0 * d);
+      const double angle = x >= r ? 1.0 : x <= -r ? 0.0 : 1.0 - std::acos(x / r) / glm::pi<double>();
+      sum += density * angle, all += density;
+    }
+    return sum / all;
+  };
+  const auto column = [&](double x) { return kSize / 2.0 * (1.0 + x / (0.95 * std::tan(0.6))); };
+  const double whole = static_cast<double>(found.rgb(static_cast<int>(column(0.6)), kSize / 2).x);
+  for (const double x : {-0.3, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2}) {
+    const int at = static_cast<int>(column(x));
+    const double center = ((at + 0.5) / kSize * 2.0 - 1.0) * 0.95 * std::tan(0.6);
+    double mean = 0.0;
+    for (int y = -8; y < 8; ++y) mean += static_cast<double>(found.rgb(at, kSize / 2 + y).x) / 16.0;
+    EXPECT_NEAR(mean / whole, lit_share(center) / lit_share(0.6), 0.015) << x;
+  }
+}
+
 TEST_F(law_raster, relief_is_where_the_path_tracer_displaces_to) {
   // A checkered plane whose height map is black all over lies lower by the whole scale.
   SceneBuilder b;
@@ -391,6 +451,77 @@ TEST_F(law_raster, relief_is_where_the_path_tracer_displaces_to) {
   Scene flat = scene;
   flat.materials.back().height_texture = {};
   EXPECT_GT(mean_difference(expected.beauty, draw(flat, dark_environment(), view, settings).beauty), 0.12);
+}
+
+/// A quad one metre wide, tangents along +x, that a map of one texel gives the normal (x, 0, z).
+Primitive leaning_quad() {
+  Primitive p = quad({-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0});
+  p.tangents.assign(p.positions.size(), vec4(1, 0, 0, 1));
+  return p;
+}
+
+int lean(SceneBuilder& b, float x) {
+  const auto code = [](float v) { return static_cast<std::uint8_t>(std::lround(127.5f * v + 127.5f)); };
+  return b.add_texture(1, 1, {code(x), 128, code(std::sqrt(1.0f - x * x)), 255});
+}
+
+TEST_F(law_raster, coats_and_what_they_cover_have_normals_of_their_own) {
+  const Environment sky =
+      mapped_environment(64, 32, [](vec3 d) { return vec3(0.5f) + vec3(0.45f, 0.3f, -0.4f) * d.x; });
+  const View view = look_at({0.0f, 0.0f, 2.0f}, vec3(0.0f), 0.3f);
+  const auto pictures = [&](Material m, float base, float coat) {
+    SceneBuilder b;
+    m.normal_texture = slot(lean(b, base));
+    m.clearcoat_normal_texture = slot(lean(b, coat));
+    b.add(leaning_quad(), m);
+    const Region middle{6, 6, 10, 10};
+    return std::pair(mean_of(shoot(b.build(), sky, view, settings(16, 256, 1)).beauty, middle),
+                     mean_of(draw(b.build(), sky, view, drawn(16)).beauty, middle));
+  };
+  Material coated = matte(vec3(0.0f));
+  coated.clearcoat = 1.0f, coated.clearcoat_roughness = 0.2f;
+  for (const float x : {-0.3f, 0.3f}) {
+    const auto [metal_traced, metal_found] = pictures(metal(vec3(0.8f), 0.2f), x, 0.0f);
+    EXPECT_LT(glm::distance(metal_traced, metal_found), 0.03 * glm::length(metal_traced)) << x;
+    const auto [coat_traced, coat_found] = pictures(coated, -x, x);
+    EXPECT_LT(glm::distance(coat_traced, coat_found), 0.05 * glm::length(coat_traced)) << x;
+    // The twin: leaning the other way shows.
+    EXPECT_GT(glm::distance(coat_traced, pictures(coated, x, -x).second), 0.3 * glm::length(coat_traced)) << x;
+  }
+}
+
+TEST_F(law_raster, light_from_behind_does_not_leak_through_a_normal_map) {
+  for (const float x : {0.0f, 0.9f}) {
+    SceneBuilder b;
+    Material m = plastic(vec3(0.8f), 0.5f);
+    m.double_sided = true;
+    m.normal_texture = slot(lean(b, x));
+    b.add(leaning_quad(), m);
+    b.add_light(sunlight(vec3(1.0f), 3.0f), aimed({3.0f, 0.0f, -1.0f}, vec3(0.0f)));
+    const View view = look_at({0.5f, 0.0f, 2.0f}, vec3(0.0f), 0.3f);
+    EXPECT_EQ(mean_of(draw(b.build(), dark_environment(), view, drawn(16)).beauty, {6, 6, 10, 10}), dvec3(0.0)) << x;
+  }
+}
+
+TEST_F(law_raster, dispersion_parts_colours_where_the_path_tracer_does) {
+  // A thick pane on a floor that is black beyond x = 0.
+  SceneBuilder b;
+  b.add(quad({-4, 0, 2}, {4, 0, 0}, {0, 0, -4}), unlit(vec3(0.0f)));
+  b.add(quad({0, 0, 2}, {6, 0, 0}, {0, 0, -4}), unlit(vec3(1.0f)));
+  Material glass = plastic(vec3(1.0f), 0.0f);
+  glass.ior = 1.8f, glass.transmission = 1.0f, glass.dispersion = 8.0f;
+  glass.thickness = 0.7f;
+  b.add(box({-1.5f, 0.001f, -1.5f}, {1.5f, 0.6f, 1.5f}), glass);
+  const View view = look_at({2.0f, 2.0f, 0.0f}, {0.0f, 0.3f, 0.0f}, 0.5f);
+  // How many rows further the white side reaches in blue than in red, each over its own white.
+  const auto parted = [](const Image& image) {
+    const dvec3 reach = 9.0 * mean_of(image, {4, 8, 28, 17}) / mean_of(image, {4, 17, 28, 22});
+    return reach.z - reach.x;
+  };
+  const double traced = parted(shoot(b.build(), dark_environment(), view, settings(32, 1024, 12)).beauty);
+  const double found = parted(draw(b.build(), dark_environment(), view, drawn(32)).beauty);
+  EXPECT_GT(traced, 0.5);
+  EXPECT_NEAR(found / traced, 1.25, 0.6);  // three rays stand for the spectrum
 }
 
 TEST_F(law_raster, textures_that_share_channels_look_as_if_they_did_not) {

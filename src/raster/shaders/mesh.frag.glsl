@@ -575,8 +575,7 @@ Shading prepare(bool is_back) {
 }
 
 #ifdef IS_EMISSIVE
-vec3 emitted_light(bool is_back, Surface s) {
-  if (is_back && IS_EMISSIVE != 2) return vec3(0.0);
+vec3 emitted_light(Surface s) {
   vec3 emitted = emission.rgb * surface_emission_scale(s);
 #ifdef HAS_emissive
   emitted *= emissive_texel().rgb;
@@ -626,7 +625,7 @@ vec4 shaded() {
   }
 #endif
 #ifdef IS_EMISSIVE
-  color += part(64) * emitted_light(is_back, s);
+  color += part(64) * emitted_light(s);
 #endif
   return vec4(color, 1.0);
 #endif
@@ -688,7 +687,7 @@ vec4 quantity(float opacity) {
 #else
   Shading h = prepare(is_back);
 #ifdef IS_EMISSIVE
-  if (shade_max3(emitted_light(is_back, h.surface)) > 0.0) return vec4(1.0);
+  if (shade_max3(emitted_light(h.surface)) > 0.0) return vec4(1.0);
 #endif
   return vec4(min(surface_albedo(h.surface), vec3(1.0)), 1.0);
 #endif
