@@ -34,20 +34,28 @@ def main():
         _, stats = run(folder, *common, cache=cache)
         cached = min(run(folder, *common, cache=cache)[0] for _ in range(5))
         print(f"{stats['driver']}\nfirst {first:.2f} s, cached {cached:.2f} s")
+
+        def frame_ms(options, what, times):
+            one = min(run(folder, *options, "--spp", 1, cache=cache)[1][what] for _ in range(times))
+            many = min(run(folder, *options, "--spp", 17, cache=cache)[1][what] for _ in range(times))
+            return 1000 * (many - one) / 16
+
         bare = pathlib.Path(program).parent / "bench_bare_light"
         if bare.exists():
-            runs = [subprocess.check_output([bare, common[-1]], text=True).splitlines() for _ in range(3)]
+            plain = [*common, "--msaa", 1]
+            run(folder, *plain, "--spp", 2, cache=cache)
+            runs, ratios = [], []
+            for _ in range(5):  # one after the other, so that a busy machine slows both
+                runs.append(subprocess.check_output([bare, common[-1]], text=True).splitlines())
+                ratios.append(frame_ms(plain, "draw_s", 1) / float(runs[-1][-1].split()[0]))
             print("ms per frame of bare shaders that fill the picture:", *map(min, zip(*runs)), sep="\n")
+            print(f"a frame with one sample takes {sorted(ratios)[2]:.2f} times the last ({min(ratios):.2f} to {max(ratios):.2f})")
         for msaa in (1, 4):
             for ao in ("0", "0.05"):
                 options = [*common, "--msaa", msaa, "--ao", ao]
                 run(folder, *options, "--spp", 2, cache=cache)
-                ms = {}
-                for what in ("draw_s", "frame_s"):
-                    one = min(run(folder, *options, "--spp", 1, cache=cache)[1][what] for _ in range(3))
-                    many = min(run(folder, *options, "--spp", 17, cache=cache)[1][what] for _ in range(3))
-                    ms[what] = 1000 * (many - one) / 16
-                print(f"msaa {msaa} ao {ao}: {ms['draw_s']:.0f} ms per frame, {ms['frame_s']:.0f} ms with reading it back")
+                ms, read = frame_ms(options, "draw_s", 3), frame_ms(options, "frame_s", 3)
+                print(f"msaa {msaa} ao {ao}: {ms:.0f} ms per frame, {read:.0f} ms with reading it back")
 
 
 if __name__ == "__main__":
