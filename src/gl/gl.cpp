@@ -179,7 +179,7 @@ Program::Program(const std::string& vertex, const std::string& fragment, const s
   }
 }
 
-void Program::bind(const std::string& sampler, GLenum target, GLuint texture, GLuint sampler_object) const {
+void Program::bind(std::string_view sampler, GLenum target, GLuint texture, GLuint sampler_object) const {
   const auto entry = samplers_.find(sampler);
   if (entry == samplers_.end()) return;
   glActiveTexture(GL_TEXTURE0 + entry->second);

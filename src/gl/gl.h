@@ -2,9 +2,11 @@
 
 #include <GLES3/gl3.h>
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// OpenGL ES 3.0, what WebGL 2 has too. Every call needs a Context that is current on the calling thread.
@@ -77,16 +79,16 @@ class Program {
   /// -1 for one that the program does not read, as glUniform takes it.
   GLint uniform(const std::string& name) const;
   /// Samplers that the program really reads, each with a texture unit of its own from 0 on.
-  const std::map<std::string, GLuint>& samplers() const { return samplers_; }
+  const std::map<std::string, GLuint, std::less<>>& samplers() const { return samplers_; }
   /// Binds a texture, and a sampler object or none, to where a sampler reads it; nothing where the program has no such.
-  void bind(const std::string& sampler, GLenum target, GLuint texture, GLuint sampler_object = 0) const;
+  void bind(std::string_view sampler, GLenum target, GLuint texture, GLuint sampler_object = 0) const;
   /// Joins a uniform block to a binding point, where the program has it.
   void bind_block(const char* name, GLuint binding) const;
 
  private:
   GLuint program_;
   mutable std::map<std::string, GLint> uniforms_;
-  std::map<std::string, GLuint> samplers_;
+  std::map<std::string, GLuint, std::less<>> samplers_;
 };
 
 /// Throws Error if GL has one pending; out of memory in words.

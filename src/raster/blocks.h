@@ -14,6 +14,9 @@ inline constexpr int kMostShadows = 32;
 inline constexpr int kMostAreas = 8;
 inline constexpr std::size_t kSlots = std::tuple_size_v<decltype(texture_slots(std::declval<Material&>()))>;
 
+/// Places of texture_slots() that somebody asks for by name.
+enum Slot : int { base_color_slot, metallic_roughness_slot, normal_slot, occlusion_slot, emissive_slot };
+
 struct FrameBlock {
   mat4 clip_from_world{1.0f};
   vec4 eye{0.0f};

@@ -234,17 +234,18 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
                              static_cast<std::size_t>(alignment) * static_cast<std::size_t>(alignment);
   std::vector<std::byte> blocks(stride * scene.materials.size());
   const std::vector<PackedMaterial> packed = pack_textures(scene);
-  for (const Material& m : scene.materials) {
+  for (std::size_t k = 0; k < scene.materials.size(); ++k) {
+    const Material& m = scene.materials[k];
     GpuMaterial& gpu = materials_.emplace_back();
     gpu.name = m.name;
     gpu.key = make_key(m, model);
     gpu.is_double_sided = m.double_sided;
-    gpu.block = static_cast<GLintptr>(stride * (materials_.size() - 1));
+    gpu.block = static_cast<GLintptr>(stride * k);
     const MaterialBlock block = make_block(m);
     std::memcpy(blocks.data() + gpu.block, &block, sizeof block);
-    gpu.key.channels = packed[materials_.size() - 1].channels;
+    gpu.key.channels = packed[k].channels;
     for (std::size_t i = 0; i < kSlots; ++i) {
-      const TextureSource& source = packed[materials_.size() - 1].slots[i];
+      const TextureSource& source = packed[k].slots[i];
       if (source.image < 0) continue;
       gpu.key.slots |= 1u << i;
       gpu.textures[i] = texture_for(scene, source, diagnostics);
@@ -346,7 +347,7 @@ void GpuScene::bind_material(const GpuMaterial& material, const gl::Program& pro
   glBindBufferRange(GL_UNIFORM_BUFFER, material_binding, material_blocks_, material.block, sizeof(MaterialBlock));
   for (std::size_t i = 0; i < kSlots; ++i) {
     if (material.textures[i] == 0) continue;
-    program.bind(std::string(slot_name(i)) + "_texture", GL_TEXTURE_2D, material.textures[i], material.samplers[i]);
+    program.bind(slot_sampler(i), GL_TEXTURE_2D, material.textures[i], material.samplers[i]);
   }
 }
 

@@ -10,8 +10,6 @@ namespace candela::raster {
 
 namespace {
 
-enum Slot : int { base_color_slot, metallic_roughness_slot, normal_slot, occlusion_slot, emissive_slot };
-
 class Packer {
  public:
   explicit Packer(const Scene& scene) : scene_(scene) {}
@@ -37,10 +35,11 @@ class Packer {
     // Nobody reads the alpha of these.
     std::vector<int> free;
     for (const int slot : {normal_slot, emissive_slot, base_color_slot}) {
-      const bool is_read = slot == emissive_slot     ? max_component(m.emission) > 0.0f
-                           : slot == base_color_slot ? m.alpha_mode == AlphaMode::opaque
-                                                     : true;
-      if (*slots[static_cast<std::size_t>(slot)] && is_read) free.push_back(slot);
+      if (!*slots[static_cast<std::size_t>(slot)]) continue;
+      if (slot == base_color_slot && m.alpha_mode != AlphaMode::opaque) continue;
+      // A texture that is not looked up anyway would save nothing.
+      if (slot == emissive_slot && max_component(m.emission) <= 0.0f) continue;
+      free.push_back(slot);
     }
     const auto room_for = [&](int guest) {
       return std::count_if(free.begin(), free.end(), [&](int host) { return fits(m, host, guest); });

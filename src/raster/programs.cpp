@@ -15,7 +15,6 @@ namespace candela::raster {
 
 namespace {
 
-constexpr std::size_t kBaseColorSlot = 0;
 constexpr std::size_t kHeightSlot = kSlots - 1;
 constexpr std::size_t kMostLightSamplers = 10;  // of a shader for surfaces, besides its material's
 const std::string kMeshFragment = "mesh.frag.glsl";
@@ -59,8 +58,8 @@ std::string slots_text(const MaterialKey& key, std::uint32_t mask) {
     const std::string name = kSlotNames[i];
     const std::string uv = key.is_plain_uv ? "surface_uv.xy" : "slot_uv(" + std::to_string(i) + ")";
     text += define("HAS_" + name);
-    text += fmt::format("uniform sampler2D {0}_texture;\n#define {0}_uv() {1}\n", name, uv);
-    text += fmt::format("#define {0}_texel() texture({0}_texture, {1})\n", name, uv);
+    text += fmt::format("uniform sampler2D {2};\n#define {0}_uv() {1}\n", name, uv, slot_sampler(i));
+    text += fmt::format("#define {0}_texel() texture({2}, {1})\n", name, uv, slot_sampler(i));
   }
   return text;
 }
@@ -148,6 +147,15 @@ MaterialKey without_last_slot(MaterialKey key) {
 
 const char* slot_name(std::size_t i) { return kSlotNames[i]; }
 
+const std::string& slot_sampler(std::size_t i) {
+  static const std::array<std::string, kSlots> kSamplers = [] {
+    std::array<std::string, kSlots> names;
+    for (std::size_t k = 0; k < kSlots; ++k) names[k] = std::string(kSlotNames[k]) + "_texture";
+    return names;
+  }();
+  return kSamplers[i];
+}
+
 Programs::Programs(const shade::ShadingModel& model, std::string folder, int most_textures)
     : model_(model),
       reader_(folder.empty() ? gl::ShaderText::Reader(read_embedded) : gl::read_from_folder(std::move(folder))) {
@@ -217,7 +225,7 @@ const gl::Program& Programs::depth(const MaterialKey& material) {
   MaterialKey key;
   key.alpha_mode = material.alpha_mode == AlphaMode::mask ? AlphaMode::mask : AlphaMode::opaque;
   if (key.alpha_mode == AlphaMode::mask) {
-    key.slots = material.slots & (1u << kBaseColorSlot);
+    key.slots = material.slots & (1u << base_color_slot);
     key.is_plain_uv = material.is_plain_uv;
   }
   std::unique_ptr<gl::Program>& program = depth_[key];

@@ -86,7 +86,9 @@ class Programs {
   std::map<std::pair<std::string, std::string>, std::unique_ptr<gl::Program>> fullscreen_;
 };
 
-/// Of texture_slots(material)[i] in the shaders, whose sampler is name_texture.
+/// Of texture_slots(material)[i] in the shaders.
 const char* slot_name(std::size_t i);
+/// The sampler that reads its texture.
+const std::string& slot_sampler(std::size_t i);
 
 }  // namespace candela::raster
