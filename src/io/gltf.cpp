@@ -133,7 +133,7 @@ void check_extensions(const JsonView& root, const FileInfo& info, bool refuse_un
 Camera read_camera(const JsonView& json) {
   Camera camera;
   camera.name = json.string_or("name");
-  const std::string& type = json.at("type").string();
+  const std::string type = json.at("type").string();
   if (type == "perspective") {
     const JsonView perspective = json.at("perspective");
     PerspectiveCamera result;

@@ -124,7 +124,7 @@ Accessor AccessorReader::open(const JsonView& reference, std::initializer_list<c
   const std::size_t index = reference.index(count_of(root_, "accessors"), "accessor");
   const JsonView json = root_.at("accessors")[index];
   Accessor result{json};
-  const std::string& type = json.at("type").string();
+  const std::string type = json.at("type").string();
   if (std::none_of(types.begin(), types.end(), [&](const char* t) { return type == t; })) {
     throw reference.error(fmt::format("the accessor must be {}, not {}", fmt::join(types, " or "), type));
   }

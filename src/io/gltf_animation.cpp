@@ -172,7 +172,7 @@ void pose_nodes(const JsonView& animation, double time, AccessorReader& reader, 
   const JsonView channels = animation.at("channels"), samplers = animation.at("samplers");
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const JsonView target = channels[i].at("target");
-    const std::string& path = target.at("path").string();
+    const std::string path = target.at("path").string();
     if (path != "translation" && path != "rotation" && path != "scale" && path != "weights") {
       warnings.warn(fmt::format("an animation of '{}' is not supported and will be ignored", path.substr(0, 40)),
                     target);

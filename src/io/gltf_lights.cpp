@@ -55,7 +55,7 @@ Light read_light(const JsonView& json, Warnings& warnings) {
     light.range = range->real();
     if (!(light.range > 0)) throw range->error("must be positive");
   }
-  const std::string& type = json.at("type").string();
+  const std::string type = json.at("type").string();
   if (type == "directional") {
     light.type = LightType::directional;
   } else if (type == "spot") {
