@@ -30,6 +30,11 @@ namespace {
 constexpr auto kSupported = std::to_array<std::string_view>({
     "EXT_lights_ies",
     "EXT_mesh_gpu_instancing",
+    "EXT_mesh_primitive_restart",
+    "EXT_meshopt_compression",
+    "KHR_accessor_float16",
+    "KHR_accessor_float64",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -47,14 +52,13 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_materials_volume_scatter",
+    "KHR_mesh_primitive_restart",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
 });
 /// Describe the asset and change no pixel.
 constexpr auto kMetadata = std::to_array<std::string_view>({"KHR_xmp", "KHR_xmp_json_ld"});
-/// Without them the numbers of the geometry are not in the file.
-constexpr std::array<std::string_view, 3> kStorage{"EXT_meshopt_compression", "KHR_draco_mesh_compression",
-                                                   "KHR_meshopt_compression"};
 
 bool is_in(std::span<const std::string_view> list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();
@@ -120,7 +124,7 @@ void check_extensions(const JsonView& root, const FileInfo& info, bool refuse_un
   for (const std::string& name : info.extensions_missing) {
     const JsonView list = root.at("extensionsRequired");
     const std::string message = fmt::format("the file requires {}, which is not supported", name);
-    if (refuse_unknown || is_in(kStorage, name)) throw list.error(message);
+    if (refuse_unknown) throw list.error(message);
     warnings.warn(message, list);
   }
   for (const std::string& name : info.extensions_ignored) {

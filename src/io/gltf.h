@@ -19,8 +19,7 @@ struct LoadOptions {
   /// Name of the KHR_materials_variants variant to wear; empty = the materials that the primitives name themselves. A
   /// name that the file has not is an Error that lists those it has.
   std::string variant = {};
-  /// False: an unknown required extension is a warning, to look into files that cannot be rendered. One that says how
-  /// the geometry is stored stays an Error.
+  /// False: an unknown required extension is a warning, to look into files that cannot be rendered.
   bool refuse_unknown_required = true;
 };
 

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <glm/gtc/packing.hpp>
 #include <string_view>
 
 namespace candela::io {
 
 namespace {
-
-constexpr int kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kF32 = 5126;
 
 // Decoding expands: one byte of a quantised uv becomes four, flat shading splits vertices, and several primitives
 // share data. 64 covers these; the constant lets a small file instance a mesh under many materials.
@@ -27,10 +26,13 @@ std::size_t component_size(int type, const JsonView& json) {
       return 1;
     case kI16:
     case kU16:
+    case kF16:
       return 2;
     case kU32:
     case kF32:
       return 4;
+    case kF64:
+      return 8;
     default:
       throw json.error(fmt::format("{} is not a component type", type));
   }
@@ -44,12 +46,22 @@ std::size_t component_count(std::string_view type) {
   return type == "MAT4" ? 16 : 0;
 }
 
+/// The bits of a real number of 16.
+struct Half {
+  std::uint16_t bits;
+};
+
+float to_float(Half value, float) { return glm::unpackHalf1x16(value.bits); }
+
 template <class T>
 float to_float(T value, float divisor) {
-  if constexpr (std::is_same_v<T, float>) return value;
-  const float quotient = static_cast<float>(value) / divisor;
-  // glTF 2.0 §3.6.2.2: -128 and -127 both mean -1.
-  return std::is_signed_v<T> && divisor != 1.0f ? std::max(quotient, -1.0f) : quotient;
+  if constexpr (std::is_floating_point_v<T>) {
+    return static_cast<float>(value);
+  } else {
+    const float quotient = static_cast<float>(value) / divisor;
+    // glTF 2.0 §3.6.2.2: -128 and -127 both mean -1.
+    return std::is_signed_v<T> && divisor != 1.0f ? std::max(quotient, -1.0f) : quotient;
+  }
 }
 
 template <class T>
@@ -65,7 +77,7 @@ template <class T>
 void decode(const Accessor& accessor, const Selection& selection, std::size_t count, float* out) {
   const std::size_t components = accessor.components;
   const float divisor =
-      std::is_same_v<T, float> || !accessor.normalized ? 1.0f : static_cast<float>(std::numeric_limits<T>::max());
+      std::is_integral_v<T> && accessor.normalized ? static_cast<float>(std::numeric_limits<T>::max()) : 1.0f;
   if (!accessor.bytes.empty()) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t element = selection ? (*selection)[i] : i;
@@ -111,7 +123,63 @@ std::vector<std::uint32_t> decode_whole(std::span<const std::byte> bytes, std::s
 }  // namespace
 
 AccessorReader::AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes)
-    : root_(root), buffers_(buffers), file_bytes_(file_bytes) {}
+    : root_(root), buffers_(buffers), file_bytes_(file_bytes) {
+  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+    const auto names = root_.find(list);
+    for (std::size_t i = 0; names && i < names->size(); ++i) {
+      const std::string name = (*names)[i].string();
+      has_restarts_ |= name == "EXT_mesh_primitive_restart" || name == "KHR_mesh_primitive_restart";
+    }
+  }
+  find_draco();
+}
+
+void AccessorReader::find_draco() {
+  const std::size_t accessors = count_of(root_, "accessors");
+  for (std::size_t m = 0; m < count_of(root_, "meshes"); ++m) {
+    const auto primitives = root_.at("meshes")[m].find("primitives");
+    for (std::size_t i = 0; primitives && i < primitives->size(); ++i) {
+      const JsonView primitive = (*primitives)[i];
+      const auto draco = primitive.extension("KHR_draco_mesh_compression");
+      if (!draco) continue;
+      const JsonView view = draco->at("bufferView");
+      if (const auto indices = primitive.index_of("indices", accessors, "accessor")) {
+        draco_.try_emplace(*indices, DracoSource{view, std::nullopt});
+      }
+      const JsonView ids = draco->at("attributes");
+      for (const std::string& name : ids.keys()) {
+        const auto accessor = primitive.at("attributes").index_of(name.c_str(), accessors, "accessor");
+        const std::uint64_t id = ids.at(name.c_str()).whole();
+        if (id > 0xFFFFFFFF) throw ids.at(name.c_str()).error("is no attribute of Draco");
+        if (accessor) draco_.try_emplace(*accessor, DracoSource{view, static_cast<std::uint32_t>(id)});
+      }
+    }
+  }
+}
+
+/// What Draco data says of an accessor takes the place of what the accessor says; false where there is none.
+bool AccessorReader::open_draco(std::size_t index, Accessor& accessor) {
+  const auto found = draco_.find(index);
+  if (found == draco_.end()) return false;
+  DracoSource& source = found->second;
+  const DracoMesh& mesh = buffers_.draco(source.view);
+  if (!source.attribute) accessor.component_type = kU32;
+  accessor.count = source.attribute ? mesh.vertex_count() : mesh.face_count() * 3;
+  if (accessor.count == 0) throw source.view.error("the Draco data has no triangles");
+  accessor.stride = accessor.components * component_size(accessor.component_type, accessor.json);
+  if (source.values.empty()) {
+    charge(std::uint64_t{accessor.count} * accessor.stride, accessor.json);
+    try {
+      source.values = source.attribute
+                          ? mesh.attribute(*source.attribute, accessor.component_type, accessor.components)
+                          : mesh.indices();
+    } catch (const Error& cause) {
+      throw source.view.error(cause.message());
+    }
+  }
+  accessor.bytes = source.values;
+  return true;
+}
 
 void AccessorReader::charge(std::uint64_t bytes, const JsonView& cause) {
   charged_ += bytes;
@@ -137,9 +205,12 @@ Accessor AccessorReader::open(const JsonView& reference, std::initializer_list<c
   result.component_type = static_cast<int>(std::min<std::uint64_t>(component_type.whole(), 0xFFFF));
   const std::size_t size = component_size(result.component_type, component_type) * result.components;
   result.normalized = json.boolean_or("normalized", false);
-  if (result.normalized && result.component_type == kU32) throw json.error("32-bit integers cannot be normalized");
+  const bool is_plain = result.component_type < kU32;
+  if (result.normalized && !is_plain) throw json.error("only integers of 8 and 16 bits can be normalized");
 
-  if (const auto view_index = json.find("bufferView")) {
+  if (open_draco(index, result)) {
+    // Beside it there may be a fallback.
+  } else if (const auto view_index = json.find("bufferView")) {
     const BufferView view = buffers_.view(*view_index);
     const std::uint64_t offset = json.whole_or("byteOffset", 0);
     result.stride = view.stride == 0 ? size : view.stride;
@@ -210,6 +281,12 @@ void AccessorReader::read(const Accessor& accessor, const Selection& selection, 
     case kU32:
       decode<std::uint32_t>(accessor, selection, count, out);
       break;
+    case kF16:
+      decode<Half>(accessor, selection, count, out);
+      break;
+    case kF64:
+      decode<double>(accessor, selection, count, out);
+      break;
     default:
       decode<float>(accessor, selection, count, out);
   }
@@ -233,8 +310,13 @@ std::vector<std::uint32_t> AccessorReader::read_indices(const Accessor& accessor
 
   const std::uint32_t restart = type == kU8 ? 0xFFu : type == kU16 ? 0xFFFFu : 0xFFFFFFFFu;
   for (std::size_t i = 0; i < result.size(); ++i) {
-    if (result[i] == restart)
-      throw accessor.json.error(fmt::format("index {} is the primitive restart value {}", i, restart));
+    if (result[i] == restart) {
+      if (!has_restarts_) {
+        throw accessor.json.error(fmt::format("index {} is the primitive restart value {}", i, restart));
+      }
+      result[i] = kPrimitiveRestart;
+      continue;
+    }
     if (result[i] >= vertex_count) {
       throw accessor.json.error(fmt::format("index {} is {}, but there are {} vertices", i, result[i], vertex_count));
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,11 +11,17 @@
 
 namespace candela::io {
 
+/// Component types: glTF 2.0 §3.6.2.2, and KHR_accessor_float16 and KHR_accessor_float64 (drafts).
+inline constexpr int kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kF32 = 5126, kF64 = 5130, kF16 = 5131;
+
+/// What stands among indices where a strip or fan ends and the next begins.
+inline constexpr std::uint32_t kPrimitiveRestart = 0xFFFFFFFF;
+
 /// One accessor whose every byte is known to lie inside its buffer.
 struct Accessor {
   JsonView json;
   std::size_t count = 0;
-  int component_type = 0;      ///< glTF 2.0 §3.6.2.2, 5120 (i8) … 5126 (f32)
+  int component_type = 0;
   std::size_t components = 0;  ///< floats per element
   bool normalized = false;
   std::span<const std::byte> bytes = {};  ///< from the first element on; empty = all zeros
@@ -33,7 +40,8 @@ class AccessorReader {
  public:
   AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes);
 
-  /// The accessor that the JSON number `reference` points at. `types`: what may stand there, e.g. {"VEC3", "VEC4"}.
+  /// The accessor that the JSON number `reference` points at. `types`: what may stand there, e.g. {"VEC3", "VEC4"}. Of a
+  /// primitive with KHR_draco_mesh_compression it holds what the Draco data says.
   Accessor open(const JsonView& reference, std::initializer_list<const char*> types);
 
   /// Elements as vectors or matrices of exactly as many floats as the type has; normalised integers as glTF 2.0
@@ -47,7 +55,8 @@ class AccessorReader {
     return result;
   }
 
-  /// Vertex indices below `vertex_count`; the primitive-restart value is an Error.
+  /// Vertex indices below `vertex_count`. The primitive-restart value of their type is kPrimitiveRestart where the file
+  /// has EXT_mesh_primitive_restart or KHR_mesh_primitive_restart, else an Error.
   std::vector<std::uint32_t> read_indices(const Accessor& accessor, std::size_t vertex_count);
 
   /// Counts `bytes` of memory on behalf of `cause`; throws Error when the file asks for more than its size can explain.
@@ -56,11 +65,22 @@ class AccessorReader {
  private:
   void read(const Accessor& accessor, const Selection& selection, float* out) const;
   void open_sparse(Accessor& accessor, const JsonView& sparse);
+  void find_draco();
+  bool open_draco(std::size_t index, Accessor& accessor);
+
+  /// Where the values of an accessor are in Draco data.
+  struct DracoSource {
+    JsonView view;
+    std::optional<std::uint32_t> attribute;  ///< none: the indices
+    std::vector<std::byte> values = {};      ///< once they were asked for
+  };
 
   JsonView root_;
   GltfBuffers& buffers_;
   std::uint64_t file_bytes_;
   std::uint64_t charged_ = 0;
+  std::map<std::size_t, DracoSource> draco_;  ///< by accessor
+  bool has_restarts_ = false;
 };
 
 }  // namespace candela::io

@@ -2,12 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <exception>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 #include <string_view>
+#include <utility>
 
 #include "base/file.h"
+#include "base/parallel.h"
+#include "io/meshopt.h"
 
 namespace candela::io {
 
@@ -170,6 +177,31 @@ bool has_scheme(std::string_view uri) {
   return end != std::string_view::npos && end > 0 && uri[end] == ':';
 }
 
+MeshoptLayout read_meshopt_layout(const JsonView& json) {
+  using Mode = MeshoptLayout::Mode;
+  using Filter = MeshoptLayout::Filter;
+  const auto choose = [&json](const char* key, const std::string& name, const auto& choices) {
+    for (const auto& [word, choice] : choices) {
+      if (name == word) return choice;
+    }
+    throw json.error(fmt::format("the {} '{}' is unknown", key, shortened(name)));
+  };
+  constexpr std::array<std::pair<std::string_view, Mode>, 3> kModes{
+      {{"ATTRIBUTES", Mode::attributes}, {"TRIANGLES", Mode::triangles}, {"INDICES", Mode::indices}}};
+  constexpr std::array<std::pair<std::string_view, Filter>, 5> kFilters{{{"NONE", Filter::none},
+                                                                         {"OCTAHEDRAL", Filter::octahedral},
+                                                                         {"QUATERNION", Filter::quaternion},
+                                                                         {"EXPONENTIAL", Filter::exponential},
+                                                                         {"COLOR", Filter::color}}};
+  MeshoptLayout layout;
+  layout.mode = choose("mode", json.at("mode").string(), kModes);
+  layout.filter = choose("filter", json.string_or("filter", "NONE"), kFilters);
+  layout.count = static_cast<std::size_t>(json.at("count").whole());
+  layout.stride = static_cast<std::size_t>(json.at("byteStride").whole());
+  if (const std::string_view fault = meshopt_fault(layout); !fault.empty()) throw json.error(std::string(fault));
+  return layout;
+}
+
 }  // namespace
 
 GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string file, Diagnostics& diagnostics)
@@ -244,9 +276,8 @@ std::span<const std::byte> GltfBuffers::buffer(std::size_t index) {
   return bytes.first(static_cast<std::size_t>(length));
 }
 
-BufferView GltfBuffers::view(const JsonView& reference) {
-  const std::size_t index = reference.index(count_of(root_, "bufferViews"), "buffer view");
-  const JsonView json = root_.at("bufferViews")[index];
+/// What a buffer view, or the extension that says where its packed bytes are, names of a buffer.
+std::span<const std::byte> GltfBuffers::slice(const JsonView& json) {
   const auto bytes = buffer(json.at("buffer").index(loaded_.size(), "buffer"));
   const std::uint64_t offset = json.whole_or("byteOffset", 0);
   const std::uint64_t length = json.at("byteLength").whole();
@@ -256,8 +287,43 @@ BufferView GltfBuffers::view(const JsonView& reference) {
         fmt::format("bytes {} to {} lie outside the buffer of {} bytes", offset, offset + length, bytes.size()));
   }
   if (length == 0) throw json.at("byteLength").error("must be at least 1");
+  return bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+}
+
+/// A small file may hold a large mesh, but not without bound.
+void GltfBuffers::charge(std::uint64_t bytes, const JsonView& cause) {
+  constexpr std::uint64_t kMostUnpacked = std::uint64_t{4} << 30;
+  unpacked_bytes_ += std::min(bytes, kMostUnpacked + 1);
+  if (unpacked_bytes_ > kMostUnpacked) throw cause.error("the compressed geometry is larger than 4 GiB");
+}
+
+std::span<const std::byte> GltfBuffers::unpacked(std::size_t view, const JsonView& extension, std::uint64_t length) {
+  const auto [found, is_new] = unpacked_.try_emplace(view);
+  if (!is_new) return found->second;
+  const MeshoptLayout layout = read_meshopt_layout(extension);
+  if (layout.count > length / layout.stride || layout.count * layout.stride != length) {
+    throw extension.error(fmt::format("{} elements of {} bytes are not the {} bytes of the buffer view", layout.count,
+                                      layout.stride, length));
+  }
+  const std::span<const std::byte> packed = slice(extension);
+  if (packed.size() < meshopt_least_bytes(layout)) throw extension.error("the data is too short for its count");
+  charge(length, extension);
+  try {
+    found->second = decode_meshopt(packed, layout);
+  } catch (const Error& cause) {
+    throw extension.error(cause.message());
+  }
+  loaded_bytes_ += length;
+  return found->second;
+}
+
+BufferView GltfBuffers::view(const JsonView& reference) {
+  const std::size_t index = reference.index(count_of(root_, "bufferViews"), "buffer view");
+  const JsonView json = root_.at("bufferViews")[index];
+  auto meshopt = json.extension("KHR_meshopt_compression");
+  if (!meshopt) meshopt = json.extension("EXT_meshopt_compression");
   BufferView result;
-  result.bytes = bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+  result.bytes = meshopt ? unpacked(index, *meshopt, json.at("byteLength").whole()) : slice(json);
   if (const auto stride = json.find("byteStride")) {
     // glTF 2.0 §5.11.4 allows 4 to 252; 0 is how old exporters write "tightly packed".
     const std::uint64_t value = stride->whole();
@@ -265,6 +331,54 @@ BufferView GltfBuffers::view(const JsonView& reference) {
     result.stride = static_cast<std::size_t>(value);
   }
   return result;
+}
+
+const DracoMesh& GltfBuffers::draco(const JsonView& reference) {
+  decode_draco({reference});
+  return draco_.at(reference.index(count_of(root_, "bufferViews"), "buffer view"));
+}
+
+void GltfBuffers::decode_draco(const std::vector<JsonView>& references) {
+  struct Work {
+    std::size_t view;
+    JsonView place;
+    std::span<const std::byte> packed;
+    std::optional<DracoMesh> mesh = {};
+    std::exception_ptr error = {};
+  };
+  std::vector<Work> works;
+  std::set<std::size_t> seen;
+  for (const JsonView& reference : references) {
+    const std::size_t index = reference.index(count_of(root_, "bufferViews"), "buffer view");
+    if (draco_.contains(index) || !seen.insert(index).second) continue;
+    Work work{index, reference, view(reference).bytes};
+    try {
+      // Triangles, and what most vertices have.
+      constexpr std::uint64_t kFaceBytes = 12, kVertexBytes = 48;
+      const DracoMesh::Claim claim = DracoMesh::claim(work.packed);
+      charge(claim.faces * kFaceBytes + claim.vertices * kVertexBytes, reference);
+    } catch (const Error& cause) {
+      if (!cause.where().empty()) throw;
+      throw reference.error(cause.message());
+    }
+    works.push_back(std::move(work));
+  }
+  parallel_for(0, works.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      try {
+        works[i].mesh.emplace(works[i].packed);
+      } catch (const Error& cause) {
+        works[i].error = std::make_exception_ptr(works[i].place.error(cause.message()));
+      } catch (...) {
+        works[i].error = std::current_exception();
+      }
+    }
+  });
+  for (Work& work : works) {
+    if (work.error) std::rethrow_exception(work.error);
+    loaded_bytes_ += work.mesh->face_count() * 12 + work.mesh->vertex_count() * 32;
+    draco_.emplace(work.view, *std::move(work.mesh));
+  }
 }
 
 }  // namespace candela::io

@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/diagnostics.h"
+#include "io/draco_mesh.h"
 #include "io/json_view.h"
 
 namespace candela::io {
@@ -49,25 +51,37 @@ struct BufferView {
   std::size_t stride = 0;  ///< 0 = tightly packed
 };
 
-/// The document's buffers, each read on first use and kept. Not thread-safe.
+/// The document's buffers, each read on first use and kept, and what is packed in them. Not thread-safe.
 class GltfBuffers {
  public:
   GltfBuffers(const GltfDocument& document, const UriReader& uris);
 
-  /// The buffer view that the JSON number `reference` points at, checked to lie inside its buffer.
+  /// The buffer view that the JSON number `reference` points at, checked to lie inside its buffer; unpacked where it has
+  /// KHR_meshopt_compression or EXT_meshopt_compression, whatever its fallback says.
   BufferView view(const JsonView& reference);
 
-  /// Bytes read so far from outside the document.
+  /// The Draco mesh in the buffer view that `reference` points at.
+  const DracoMesh& draco(const JsonView& reference);
+  /// Decodes many of them on all cores, for draco().
+  void decode_draco(const std::vector<JsonView>& references);
+
+  /// Bytes read so far from outside the document, and unpacked.
   std::uint64_t loaded_bytes() const { return loaded_bytes_; }
 
  private:
   std::span<const std::byte> buffer(std::size_t index);
+  std::span<const std::byte> slice(const JsonView& json);
+  std::span<const std::byte> unpacked(std::size_t view, const JsonView& extension, std::uint64_t length);
+  void charge(std::uint64_t bytes, const JsonView& cause);
 
   JsonView root_;
   std::span<const std::byte> binary_chunk_;
   const UriReader& uris_;
   std::vector<std::vector<std::byte>> loaded_;
+  std::map<std::size_t, std::vector<std::byte>> unpacked_;  ///< by buffer view
+  std::map<std::size_t, DracoMesh> draco_;                  ///< likewise
   std::uint64_t loaded_bytes_ = 0;
+  std::uint64_t unpacked_bytes_ = 0;
 };
 
 }  // namespace candela::io

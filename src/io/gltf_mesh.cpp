@@ -39,14 +39,13 @@ void gather_vertices(Primitive& primitive, std::span<const std::uint32_t> source
   gather(primitive.colors, sources);
 }
 
-std::vector<uvec3> assemble(std::span<const std::uint32_t> indices, std::uint64_t mode) {
-  std::vector<uvec3> triangles;
+/// Adds the triangles of one list, strip or fan.
+void assemble_run(std::span<const std::uint32_t> indices, std::uint64_t mode, std::vector<uvec3>& triangles) {
   const std::size_t n = indices.size();
   const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
     const uvec3 t(indices[a], indices[b], indices[c]);
     if (t.x != t.y && t.y != t.z && t.z != t.x) triangles.push_back(t);
   };
-  triangles.reserve(mode == 4 ? n / 3 : n);
   if (mode == 4) {
     for (std::size_t i = 0; i + 2 < n; i += 3) add(i, i + 1, i + 2);
   } else if (mode == 5) {
@@ -54,7 +53,17 @@ std::vector<uvec3> assemble(std::span<const std::uint32_t> indices, std::uint64_
   } else {
     for (std::size_t i = 0; i + 2 < n; ++i) add(i + 1, i + 2, 0);  // and fans
   }
-  return triangles;
+}
+
+std::vector<uvec3> assemble(std::span<const std::uint32_t> indices, std::uint64_t mode) {
+  std::vector<uvec3> triangles;
+  triangles.reserve(mode == 4 ? indices.size() / 3 : indices.size());
+  while (true) {
+    const auto end = std::find(indices.begin(), indices.end(), kPrimitiveRestart);
+    assemble_run({indices.begin(), end}, mode, triangles);
+    if (end == indices.end()) return triangles;
+    indices = {end + 1, indices.end()};
+  }
 }
 
 /// The vertices that triangles name, ascending; triangles are renumbered to positions in that list.
@@ -269,6 +278,11 @@ std::optional<std::size_t> material_of_primitive(const JsonView& primitive, std:
   return primitive.index_of("material", material_count, "material");
 }
 
+std::uint64_t mode_of_primitive(const JsonView& primitive) {
+  const std::uint64_t mode = primitive.whole_or("mode", 4);
+  return mode == 5 && primitive.extension("KHR_draco_mesh_compression") ? 4 : mode;
+}
+
 Mesh MeshReader::read(const JsonView& json, const MeshPose& pose) {
   Mesh mesh;
   mesh.name = json.string_or("name");
@@ -447,7 +461,7 @@ void MeshReader::finish_tangents(const JsonView& json, Primitive& primitive) {
 }
 
 std::optional<Primitive> MeshReader::read_primitive(const JsonView& json, const MeshPose& pose) {
-  const std::uint64_t mode = json.whole_or("mode", 4);
+  const std::uint64_t mode = mode_of_primitive(json);
   if (mode > 6) throw json.at("mode").error(fmt::format("{} is not a primitive mode", mode));
   if (mode < 4) {
     ++ignored_;

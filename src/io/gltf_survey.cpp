@@ -166,7 +166,7 @@ void Surveyor::count_degenerate(const JsonView& json, FileSurvey::Primitive& res
   const auto reference = json.find("indices");
   if (reference) indices = reader_.read_indices(reader_.open(*reference, {"SCALAR"}), vertices.size());
   const std::size_t count = reference ? indices.size() : vertices.size();
-  if (json.whole_or("mode", kTriangles) != kTriangles) {
+  if (mode_of_primitive(json) != kTriangles) {
     // Strips turn round by triangles without an area, on purpose.
     result.triangles = count > 2 ? count - 2 : 0;
     return;
