@@ -94,7 +94,7 @@ Viewer::Viewer(const ViewOptions& o)
     : options_(o),
       asset_(o.scene, &diagnostics_),
       scene_(asset_.scene()),
-      environment_(make_environment(o.environment.value_or(default_environment(scene_)))),
+      environment_(make_environment(o.environment.value_or(default_environment(scene_)), &diagnostics_)),
       bounds_(subject_bounds(scene_)),
       develop_(default_develop(scene_, environment_)),
       window_("candela: " + o.scene, o.size),
