@@ -440,10 +440,10 @@ void run_bake(BakeOptions& o) {
 Verb add_bake(CLI::App& app) {
   const auto options = std::make_shared<BakeOptions>();
   CLI::App* verb = app.add_subcommand("bake", "Image-based light for engines, with its error measured")->group("Verbs");
-  verb->add_option(
-          "ENV", options->environment,
-          "An equirectangular .exr, .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a folder of "
-          "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace")
+  verb->add_option("ENV", options->environment,
+                   "An equirectangular .exr (:LAYER), .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a "
+                   "folder of "
+                   "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace")
       ->type_name("");
   verb->add_option("-o,--output", options->output, "Folder to write to; it is made where it is absent")
       ->type_name("DIR");
