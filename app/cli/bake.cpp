@@ -225,44 +225,24 @@ void add_rest(CLI::App* verb, BakeOptions& o) {
   verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group("Running");
 }
 
-std::string at_text(ivec2 at) { return fmt::format("{},{}", at.x, at.y); }
-
-void tell_repairs(const ibl::Repairs& repairs, const std::string& path, std::vector<Diagnostic>& warnings) {
-  if (repairs.not_finite > 0) {
-    warnings.push_back({fmt::format("{} texels are not finite, the first at {}: infinity became the largest finite "
-                                    "value, NaN became 0",
-                                    repairs.not_finite, at_text(repairs.first_not_finite)),
-                        path});
-  }
-  if (repairs.negative > 0) {
-    warnings.push_back({fmt::format("{} texels are negative, the first at {}: they became 0", repairs.negative,
-                                    at_text(repairs.first_negative)),
-                        path});
-  }
-}
-
-/// A panorama of a file, with what is wrong in it put right and told.
+/// A panorama of a file.
 Environment make_panorama(Image image, const std::string& path, std::vector<Diagnostic>& warnings) {
   check_panorama(image, path);
-  const ImageFormat format = sniff_image_format(read_head(path, 16));
+  const ImageFormat format = sniff_image_format(read_head(parse_image_name(path).path, 16));
   if (format == ImageFormat::png || format == ImageFormat::jpeg) {
     warnings.push_back(
         {"8 or 16 bits per channel end at white: what is brighter, the sun above all, is missing", path});
   }
-  tell_repairs(ibl::repair(image), path, warnings);
   Environment environment;
   environment.name = path;
   environment.map = std::make_shared<Image>(std::move(image));
   return environment;
 }
 
-/// The largest level of a cube map, put right likewise.
-CubeFaces make_faces(Cubemap cube, const BakeOptions& o, std::vector<Diagnostic>& warnings) {
+CubeFaces make_faces(Cubemap cube, const BakeOptions& o) {
   CubeFaces faces = std::move(cube.levels.at(0));
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    tell_repairs(ibl::repair(faces[i]), fmt::format("{}, face {}", o.environment, kFaceNames[i]), warnings);
-    for (float& v : faces[i].pixels) v *= o.intensity;
-  }
+  for (Image& face : faces)
+    for (float& v : face.pixels) v *= o.intensity;
   return faces;
 }
 
@@ -276,8 +256,9 @@ Environment adjusted(Environment environment, const BakeOptions& o) {
 CubeFaces capture(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
   Diagnostics diagnostics;
   const Scene scene = load(o.scene, &diagnostics);
+  const Environment environment =
+      adjusted(make_environment(o.environment.empty() ? "studio" : o.environment, &diagnostics), o);
   warnings.insert(warnings.end(), diagnostics.warnings().begin(), diagnostics.warnings().end());
-  const Environment environment = adjusted(make_environment(o.environment.empty() ? "studio" : o.environment), o);
   path::Settings settings;
   settings.samples = o.spp;
   path::Callbacks callbacks;
@@ -306,9 +287,10 @@ Light load_light(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
   }
   const bool is_built_in = is_built_in_environment(o.environment);
   EnvironmentFile file;
-  if (!is_built_in) file = read_environment_file(o.environment, o.axes);
+  if (!is_built_in) file = read_clean_environment(o.environment, o.axes);
+  warnings.insert(warnings.end(), file.warnings.begin(), file.warnings.end());
   if (!file.cube.empty()) {
-    light.faces = make_faces(std::move(file.cube), o, warnings);
+    light.faces = make_faces(std::move(file.cube), o);
     light.source = ibl::make_source(*light.faces);
     light.source.rotation += static_cast<double>(o.rotation);
     if (o.rotation != 0.0f) light.faces.reset();
@@ -372,7 +354,8 @@ void check_paths(const BakeOptions& o) {
   check_writable(fs::is_directory(o.output, code) ? fs::path(o.output) / "bake.json" : fs::path(o.output));
   if (o.report.empty()) return;
   check_writable(o.report);
-  if (fs::equivalent(o.report, o.environment, code)) throw Error("is an input of this bake", o.report);
+  if (fs::equivalent(o.report, parse_image_name(o.environment).path, code))
+    throw Error("is an input of this bake", o.report);
 }
 
 /// What the engine expects, where nothing else is asked for.
@@ -457,10 +440,10 @@ void run_bake(BakeOptions& o) {
 Verb add_bake(CLI::App& app) {
   const auto options = std::make_shared<BakeOptions>();
   CLI::App* verb = app.add_subcommand("bake", "Image-based light for engines, with its error measured")->group("Verbs");
-  verb->add_option(
-          "ENV", options->environment,
-          "An equirectangular .exr, .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a folder of "
-          "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace")
+  verb->add_option("ENV", options->environment,
+                   "An equirectangular .exr (:LAYER), .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a "
+                   "folder of "
+                   "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace")
       ->type_name("");
   verb->add_option("-o,--output", options->output, "Folder to write to; it is made where it is absent")
       ->type_name("DIR");

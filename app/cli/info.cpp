@@ -208,8 +208,9 @@ Verb add_info(CLI::App& app) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("info", "Say what a scene, an image or a texture file holds")->group("Verbs");
-  verb->add_option("FILE", options->file,
-                   "A .glb or .gltf, a demo:NAME, an .exr, .hdr, .png or .jpg image, or a .ktx2, .ktx or .dds texture")
+  verb->add_option(
+          "FILE", options->file,
+          "A .glb or .gltf, a demo:NAME, an .exr (:LAYER), .hdr, .png or .jpg image, or a .ktx2, .ktx or .dds texture")
       ->required()
       ->type_name("");
   verb->add_flag("--json", options->json, "For a machine: one JSON object");

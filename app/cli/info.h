@@ -18,8 +18,8 @@ struct Report {
   std::string json;
 };
 
-bool is_image_file(const std::filesystem::path& path);
-Report image_report(const std::filesystem::path& path);
+bool is_image_file(const std::string& name);  ///< a picture, or FILE:LAYER of one
+Report image_report(const std::string& name);
 bool is_texture_file(const std::filesystem::path& path);
 Report texture_report(const std::filesystem::path& path);  ///< KTX and DDS
 Report scene_report(const std::string& scene);

@@ -21,6 +21,7 @@
 #include "cli/render_options.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "image/image_file.h"
 #include "raster/image_light.h"
 
 namespace candela::cli {
@@ -59,7 +60,7 @@ void check_paths(const RenderOptions& o) {
   for (const std::string& output : o.outputs) written.emplace_back(frame_name(output, 0));
   if (o.stats && *o.stats != "-") written.push_back(*o.stats);
   for (const fs::path& path : written) {
-    for (const std::string& source : {o.scene, o.environment.value_or("")}) {
+    for (const fs::path& source : {fs::path(o.scene), parse_image_name(o.environment.value_or("")).path}) {
       std::error_code code;
       if (fs::equivalent(path, source, code)) throw Error("is an input of this picture", path.string());
     }
@@ -172,13 +173,23 @@ std::vector<View> all_around(const View& view, vec3 center, int count) {
 
 /// What several scenes of one run share.
 struct Shared {
-  std::map<std::string, Environment> environments;  ///< by name or path
-  std::unique_ptr<raster::Session> session;         ///< opened when the first picture needs it
+  struct Loaded {
+    Environment environment;
+    Diagnostics diagnostics;  ///< each scene hears of them
+  };
+  std::map<std::string, Loaded> environments;  ///< by name or path
+  std::unique_ptr<raster::Session> session;    ///< opened when the first picture needs it
 
-  const Environment& environment(const std::string& name) {
-    const auto found = environments.find(name);
-    if (found != environments.end()) return found->second;
-    return environments.emplace(name, make_environment(name)).first->second;
+  const Environment& environment(const std::string& name, Diagnostics& diagnostics) {
+    auto found = environments.find(name);
+    if (found == environments.end()) {
+      Loaded loaded;
+      loaded.environment = make_environment(name, &loaded.diagnostics);
+      found = environments.emplace(name, std::move(loaded)).first;
+    }
+    for (const Diagnostic& warning : found->second.diagnostics.warnings())
+      diagnostics.warn(warning.message, warning.where);
+    return found->second.environment;
   }
   raster::Session& raster() {
     if (session == nullptr) session = std::make_unique<raster::Session>();
@@ -226,7 +237,7 @@ Job prepare(const RenderOptions& o, Shared& shared, Diagnostics& diagnostics) {
   Job job(Asset(o.scene, &diagnostics, o.variant));
   choose_moments(o, job, diagnostics);
   job.scene = scene_at(o, job, job.moments_s[0]);
-  job.environment = shared.environment(o.environment.value_or(default_environment(job.scene)));
+  job.environment = shared.environment(o.environment.value_or(default_environment(job.scene)), diagnostics);
   job.environment.rotation += o.environment_rotation;
   job.environment.intensity *= o.environment_intensity;
   View view = choose_view(o, job.scene, job.camera);

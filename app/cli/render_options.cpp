@@ -144,8 +144,9 @@ void add_light(CLI::App* verb, RenderOptions& o) {
   const auto degrees_within = [](float low, float high) {
     return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
   };
-  add_value(verb, "--env", "FILE|NAME", o.environment, text,
-            "An .exr or .hdr, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
+  add_value(
+      verb, "--env", "FILE|NAME", o.environment, text,
+      "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
       ->group(group);
   add_value(verb, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
             "Height of the sun: short for --env sky:DEG")

@@ -94,7 +94,7 @@ Viewer::Viewer(const ViewOptions& o)
     : options_(o),
       asset_(o.scene, &diagnostics_),
       scene_(asset_.scene()),
-      environment_(make_environment(o.environment.value_or(default_environment(scene_)))),
+      environment_(make_environment(o.environment.value_or(default_environment(scene_)), &diagnostics_)),
       bounds_(subject_bounds(scene_)),
       develop_(default_develop(scene_, environment_)),
       window_("candela: " + o.scene, o.size),
@@ -216,7 +216,7 @@ Verb add_view(CLI::App& app) {
   verb->add_option("SCENE", options->scene, "A .glb or .gltf file, or a built-in demo:NAME")->required()->type_name("");
   add_value(
       verb, "--env", "FILE|NAME", options->environment, [](const std::string& value) { return value; },
-      "An .exr or .hdr, or studio, sky, furnace, none [the scene's wish, else studio]");
+      "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, furnace, none [the scene's wish, else studio]");
   add_value(verb, "--size", "WxH", options->size, parse_size, "Of the window, pixels [1280x720]");
   const auto folder = [](const std::string& value) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);

@@ -8,6 +8,7 @@
 
 #include "image/develop.h"
 #include "image/image.h"
+#include "image/image_file.h"
 
 // What image_file.cpp dispatches to, one file per format. Private to this folder. All throw Error(…, where).
 namespace candela::codec {
@@ -24,8 +25,8 @@ ivec2 png_size(std::span<const std::byte> bytes, const std::string& where);
 ivec2 jpeg_size(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_png(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_jpeg(std::span<const std::byte> bytes, const std::string& where);
-Image decode_hdr(std::span<const std::byte> bytes, const std::string& where);
-Image decode_exr(std::span<const std::byte> bytes, const std::string& layer, const std::string& where);
+ImageFile decode_hdr(std::span<const std::byte> bytes, const std::string& where);
+ImageFile decode_exr(std::span<const std::byte> bytes, const std::string& layer, const std::string& where);
 
 /// Like write_png, for numbers that are no colours of a display: the file says nothing of sRGB.
 void write_png_data(const std::filesystem::path& path, const DisplayImage& image);
