@@ -20,8 +20,14 @@ struct Crossing {
 class Walk {
  public:
   Walk() = default;
-  /// A path that begins in bodies.
-  explicit Walk(const MediumStack& start) : media_(start) {}
+  /// A path that begins in bodies. Radiance in matter of index n is n² times what it is in air; a camera has its lens
+  /// in air behind a port, and so sees the same there as outside.
+  explicit Walk(const MediumStack& start) : media_(start) {
+    if (const Medium* medium = start.current()) {
+      eta_scale = medium->ior * medium->ior;
+      throughput /= eta_scale;
+    }
+  }
 
   vec3 throughput{1.0f};
   /// η² of all boundaries so far: radiance rises on the way into dense matter and falls on the way out, which says
