@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "path/accumulator.h"
+#include "path/bodies.h"
 #include "path/camera.h"
 #include "path/integrator.h"
 #include "path/pixel_filter.h"
@@ -47,7 +48,9 @@ class Job {
         accumulator_(settings),
         converged_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height), 0),
         tiles_x_((settings.width + kTile - 1) / kTile),
-        tiles_y_((settings.height + kTile - 1) / kTile) {}
+        tiles_y_((settings.height + kTile - 1) / kTile) {
+    find_start();
+  }
 
   void run(const Callbacks& callbacks, Statistics& statistics);
   Film film() const;
@@ -56,6 +59,7 @@ class Job {
   void render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_sample);
   void render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t last_sample, RayCounts& counts,
                     std::uint64_t& samples, std::uint64_t& non_finite);
+  void find_start();
   void find_converged();
   bool run_pass(std::uint32_t first_sample, std::uint32_t last_sample, const Callbacks& callbacks);
   bool must_stop(const Callbacks& callbacks) const;
@@ -84,6 +88,20 @@ class Job {
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_partial_ = Clock::now();
 };
+
+/// What camera rays begin in, and how their layers are found.
+void Job::find_start() {
+  const Box3 eye = camera_.origins();
+  if (eye.lower == eye.upper) {
+    context_.start = bodies_around(geometry_, eye.lower);
+  } else {
+    context_.eye_is_wide = may_be_inside(geometry_, eye);
+  }
+  // Elsewhere the first surface of the layers is that of the path.
+  const bool is_by_chance = geometry_.has_blends() || !context_.start.empty() || context_.eye_is_wide;
+  context_.has_first_surface =
+      is_by_chance && (settings_.layers.contains(Layer::albedo) || settings_.layers.contains(Layer::normal));
+}
 
 void Job::render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t last_sample, RayCounts& counts,
                        std::uint64_t& samples, std::uint64_t& non_finite) {
@@ -270,14 +288,10 @@ void Job::trace_centre_layers(Film& film) const {
   parallel_for(0, static_cast<std::size_t>(settings_.height), 4, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       for (int x = 0; x < settings_.width; ++x) {
-        Ray ray = pinhole_.generate(vec2(x, y) + 0.5f, vec2(0.5f)).ray;
-        const vec3 eye = ray.origin;
-        SobolSampler sampler(pixel_seed(x, y), 0);
-        RayCounts counts;
-        const Hit hit =
-            first_visible_hit(context_, ray, geometry_.intersect(ray, sampler.next_hash()), sampler, counts);
+        const Ray ray = pinhole_.generate(vec2(x, y) + 0.5f, vec2(0.5f)).ray;
+        const Hit hit = geometry_.first_surface(ray);
         const vec3 p = hit ? ray.origin + ray.direction * hit.t : vec3(0.0f);
-        if (depth) film.layers[Layer::depth].at(x, y)[0] = hit ? glm::length(p - eye) : kInfinity;
+        if (depth) film.layers[Layer::depth].at(x, y)[0] = hit ? glm::length(p - ray.origin) : kInfinity;
         if (position) film.layers[Layer::position].set_rgb(x, y, p);
         if (id) {
           film.layers[Layer::object_id].at(x, y)[0] =

@@ -398,6 +398,16 @@ class Bodies(CheckTest):
         asset.join_last_mesh()
         self.clean(asset)
 
+    def test_bodies_of_two_nodes_close_each_other(self):
+        asset = self.body(drop=[5])
+        asset.cube(asset.material(self.glass()), drop=[0, 1, 2, 3, 4])
+        self.clean(asset)
+
+    def test_a_room_does_not_close_a_body_in_it(self):
+        asset = self.body(drop=[5])
+        asset.cube(asset.material(GREY), side=10, inward=True)
+        self.only(asset, "volume-open", "warning")
+
     def test_open_body(self):
         found = self.only(self.body(drop=[5]), "volume-open", "warning")
         self.assertEqual(found["measured"]["boundary_edges"], 4)
