@@ -272,8 +272,11 @@ void Renderer::make_targets() {
   glGetInternalformativ(GL_RENDERBUFFER, GL_RGBA16F, GL_SAMPLES, 1, &most_samples);
   const int samples = std::min(settings_.msaa, most_samples) <= 1 ? 0 : std::min(settings_.msaa, most_samples);
 
+  // Half floats end at 65504, which lengths may exceed.
+  const bool is_length = settings_.quantity == Quantity::position || settings_.quantity == Quantity::depth;
+  const GLenum format = is_length && gl::has_extension("GL_EXT_color_buffer_float") ? GL_RGBA32F : GL_RGBA16F;
   glBindRenderbuffer(GL_RENDERBUFFER, target_.color);
-  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, w, h);
   glBindRenderbuffer(GL_RENDERBUFFER, target_.depth);
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT32F, w, h);
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
@@ -291,16 +294,17 @@ void Renderer::make_targets() {
   check_framebuffer("half floats");
   settings_.msaa = std::max(samples, 1);
 
-  const auto make_picture = [&](const gl::Texture& texture, const gl::Framebuffer& framebuffer, GLint min) {
+  const auto make_picture = [&](const gl::Texture& texture, const gl::Framebuffer& framebuffer, GLint min,
+                                GLenum kind = GL_RGBA16F) {
     glBindTexture(GL_TEXTURE_2D, texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, w, h, 0, GL_RGBA, GL_FLOAT, nullptr);
-    filter(GL_TEXTURE_2D, min, GL_LINEAR);
+    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(kind), w, h, 0, GL_RGBA, GL_FLOAT, nullptr);
+    filter(GL_TEXTURE_2D, min, kind == GL_RGBA32F ? GL_NEAREST : GL_LINEAR);
     wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
     check_framebuffer("half floats");
   };
-  make_picture(resolved_, resolved_framebuffer_, GL_LINEAR);
+  make_picture(resolved_, resolved_framebuffer_, format == GL_RGBA32F ? GL_NEAREST : GL_LINEAR, format);
   for (std::size_t i = 0; has_scattering_ && i < scattered_.size(); ++i) {
     make_picture(scattered_[i], scattered_framebuffer_[i], GL_NEAREST);
   }

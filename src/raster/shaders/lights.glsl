@@ -62,8 +62,11 @@ vec3 shadow_point(int layer, vec3 position) {
   return vec3(clip.xy / clip.w * 0.5 + 0.5, clip.z / clip.w);
 }
 
-/// What a surface must be nearer to the light than another to be in its way: rounding, as depth.
-float shadow_slack(int layer, float depth) { return 1e-5 * (shadows[layer].is_perspective == 1 ? depth : 1.0); }
+/// What a surface must be nearer to the light than another to be in its way, as depth: a tenth of a texel.
+float shadow_slack(int layer, float depth) {
+  float texel = 0.1 * shadows[layer].texel;
+  return shadows[layer].is_perspective == 1 ? texel * depth : texel / (shadows[layer].far - shadows[layer].near);
+}
 
 #ifdef HAS_SOFT_SHADOWS
 /// Distance from the light of a depth of map `layer`.

@@ -737,7 +737,8 @@ void main() {
 #endif
   o_color = quantity(opacity);
 #else
-  o_color = shaded();
+  // What half floats hold: beyond it a picture would have infinities.
+  o_color = min(shaded(), vec4(65504.0));
 #endif
 #if defined(ALPHA_BLEND) && !defined(SHOW)
   o_color = o_color * opacity;
