@@ -5,13 +5,20 @@
 
 namespace candela::raster {
 
-/// Columns of an off-axis projection; left, right, bottom, top at distance `near`.
+namespace {
+
+constexpr float kFarthest = 1.0f - 4.0f * 0x1p-24f;  // in clip space
+
+}  // namespace
+
+/// Columns of an off-axis projection; left, right, bottom, top at distance `near`. Infinitely far is a little before
+/// depth 1, where the background is.
 mat4 perspective_projection(vec2 low, vec2 high, float near) {
   mat4 m(0.0f);
   m[0][0] = 2.0f * near / (high.x - low.x);
   m[1][1] = 2.0f * near / (high.y - low.y);
-  m[2] = {(high.x + low.x) / (high.x - low.x), (high.y + low.y) / (high.y - low.y), -1.0f, -1.0f};
-  m[3][2] = -2.0f * near;
+  m[2] = {(high.x + low.x) / (high.x - low.x), (high.y + low.y) / (high.y - low.y), -kFarthest, -1.0f};
+  m[3][2] = -(1.0f + kFarthest) * near;
   return m;
 }
 

@@ -136,8 +136,9 @@ DepthRange seen_range(const Scene& scene, const GpuScene& gpu, const View& view,
     range = found;
   }
   if (is_perspective) {
-    const bool is_touched = range.x < 1e-6f * range.y;
-    return {std::max(0.95f * range.x, (is_touched ? 1e-4f : 2.5e-7f) * range.y), range.y};
+    // As far as rounding goes, a surface is at the eye.
+    const bool is_touched = range.x < 2e-8f * range.y;
+    return {is_touched ? 1e-4f * range.y : 0.95f * range.x, range.y};
   }
   const float margin = std::max(1e-3f * (range.y - range.x), 1e-5f * std::max(window.size.x, window.size.y));
   return {std::max(range.x - margin, 0.0f), range.y + margin};

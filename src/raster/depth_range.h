@@ -9,8 +9,8 @@ namespace candela::raster {
 /// depth would lose what is near, by triangles. `view` is relative to gpu.origin(). Without anything in sight, any
 /// range.
 ///
-/// A perspective range begins a little before the nearest thing, at the least 2.5e-7 of the farthest away; where a
-/// surface goes through the eye, at 1e-4.
+/// A perspective range begins a little before the nearest thing; where a surface goes through the eye (as near as 2e-8
+/// of the farthest distance), at 1e-4 of that.
 DepthRange seen_range(const Scene& scene, const GpuScene& gpu, const View& view, float aspect);
 
 }  // namespace candela::raster

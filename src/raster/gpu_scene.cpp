@@ -204,7 +204,7 @@ void GpuScene::add_mesh(const Mesh& mesh) {
     gpu.material = p.material;
     gpu.index_count = static_cast<GLsizei>(3 * p.triangles.size());
     for (const vec3& position : p.positions) gpu.bounds.extend(position);
-    if (!gpu.bounds.empty()) gpu.middle = gpu.bounds.center();
+    if (!gpu.bounds.empty()) gpu.middle = 0.5f * gpu.bounds.lower + 0.5f * gpu.bounds.upper;
     const std::vector<Vertex> vertices = interleave(p, gpu.middle);
     glBindVertexArray(gpu.attributes);
     glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
@@ -338,7 +338,7 @@ void GpuScene::place_draws(const Scene& scene) {
     mat4 from_middle = scene.nodes[static_cast<std::size_t>(draw.node)].world_from_node;
     const glm::dvec3 middle(glm::dmat4(from_middle) * glm::dvec4(primitive.middle, 1.0));
     from_middle[3] = vec4(vec3(middle - glm::dvec3(origin_)), 1.0f);
-    const vec3 half = 0.5f * primitive.bounds.size();
+    const vec3 half = 0.5f * primitive.bounds.upper - 0.5f * primitive.bounds.lower;
     draw.bounds = {};
     for (int i = 0; i < 8; ++i) {
       const vec3 side((i & 1) != 0 ? 1.0f : -1.0f, (i & 2) != 0 ? 1.0f : -1.0f, (i & 4) != 0 ? 1.0f : -1.0f);

@@ -77,7 +77,7 @@ TEST_F(law_raster_lamps, panels_of_one_primitive_are_lamps_of_their_own) {
   const View view = from_above(0.9f, 2.5f);
   const Image expected = draw(two.build(), view), found = draw(one.build(), view);
   EXPECT_LT(difference(expected, found), 0.005);
-  EXPECT_GT(found.rgb(6, kSize / 2).x, 20.0f * found.rgb(kSize / 2, kSize / 2).x) << "between them it is dark";
+  EXPECT_GT(found.rgb(6, kSize / 2).x, 8.0f * found.rgb(kSize / 2, kSize / 2).x) << "between them it is dark";
 }
 
 /// A bulb that stands on a foot, above a floor: of two materials, or of one whose texture says what glows.
@@ -146,7 +146,7 @@ TEST_F(law_raster_lamps, what_a_mask_cuts_out_of_a_panel_lights_nothing) {
   };
   const View view = look_at({0.0f, 1.0f, 4.0f}, vec3(0.0f), 0.8f);
   const Image half = draw(scene(false, 0.5f), view), masked = draw(scene(true, 1.0f), view);
-  EXPECT_LT(difference(half, masked), 0.1);
+  EXPECT_LT(difference(half, masked), 0.15) << "it lies about the middle of the whole";
   EXPECT_GT(difference(half, draw(scene(false, 1.0f), view)), 0.5);
 }
 
@@ -190,14 +190,14 @@ TEST_F(law_raster_lamps, a_directional_light_is_sharp_beside_what_glows) {
     b.add(plane(vec3(0.0f), 2.0f), matte(vec3(0.8f)));
     b.add(box({-0.5f, 0.8f, -0.5f}, {0.5f, 1.0f, 0.5f}), matte(vec3(0.5f)));
     b.add_light(sunlight(vec3(1.0f), 3.0f), aimed({1, 4, 1}, vec3(0.0f)));
-    b.add_light(point_light(vec3(1.0f), 3.0f), translation({-1, 3, 1}));
+    b.add_light(point_light(vec3(1.0f), 30.0f), translation({-1, 3, 1}));
     if (has_glow) b.add(quad({5, 5, 5}, {0.1f, 0, 0}, {0, 0, 0.1f}), lamp(vec3(1e-3f)));
     return b.build();
   };
   const Image sharp = draw(scene(false), floor_view());
   EXPECT_LT(difference(sharp, draw(scene(true), floor_view())), 1e-3);
   raster::Settings soft = drawn();
-  soft.light_radius = 0.3f;
+  soft.light_radius = 1.0f;
   EXPECT_LT(difference(sharp, draw(scene(true), floor_view(), soft)), 1e-3) << "a radius alone asks for nothing";
   soft.has_soft_shadows = true;
   EXPECT_GT(difference(sharp, draw(scene(true), floor_view(), soft)), 5e-3) << "the twin: the point's shadow is soft";
@@ -230,7 +230,7 @@ TEST_F(law_raster_lamps, sheen_is_read_from_the_levels_of_its_probe) {
     return image;
   };
   const Image expected = shown({}, sky);
-  EXPECT_GT(mean_luminance(expected), 0.01);
+  EXPECT_GT(mean_luminance(expected), 2e-3);
   EXPECT_LT(difference(expected, shown({probe}, sky)), 0.01);
   // Nothing else has told how many levels there are.
   EXPECT_LT(difference(expected, shown({probe}, dark_environment())), 0.01);

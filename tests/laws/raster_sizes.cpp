@@ -145,23 +145,30 @@ TEST_F(law_raster_sizes, a_scene_may_be_small_large_or_far_from_the_origin) {
 }
 
 TEST_F(law_raster_sizes, what_is_near_is_seen_in_a_dome_of_any_size) {
-  for (const float size : {1.0f, 1e-3f}) {
-    for (const float dome : {0.0f, 1e3f, 2e4f, 1e5f}) {
+  const vec3 red(1, 0, 0);
+  for (const float size : {1.0f, 1e-2f}) {
+    for (const float dome : {0.0f, 1e3f, 2e4f}) {
       SceneBuilder b;
-      b.add(quad(vec3(-0.1f, -0.1f, -0.5f) * size, {0.2f * size, 0, 0}, {0, 0.2f * size, 0}), unlit({1, 0, 0}));
+      b.add(quad(vec3(-0.1f, -0.1f, -0.5f) * size, {0.2f * size, 0, 0}, {0, 0.2f * size, 0}), unlit(red));
       b.add(quad(vec3(-0.1f, -0.1f, -0.51f) * size, {0.2f * size, 0, 0}, {0, 0.2f * size, 0}), unlit({0, 1, 0}));
       if (dome > 0.0f) b.add(turned_inside_out(box(vec3(-dome), vec3(dome))), unlit({0, 0, 1}));
-      // And the ground below.
-      b.add(plane({0, -1.5f, 0}, 1e5f), unlit({0, 0, 0.5f}));
+      b.add(plane({0, -1.5f, 0}, std::max(dome, 1.0f)), unlit({0, 0, 0.5f}));
+      const Scene scene = b.build();
+      // What is far away is not covered by the sky.
+      const Environment sky = constant_environment(vec3(0.0f, 1.0f, 1.0f));
       View view = look_at(vec3(0.0f), {0, 0, -1}, 0.8f);
-      EXPECT_EQ(draw(b.build(), dark_environment(), view, drawn(32)).beauty.rgb(16, 15), vec3(1, 0, 0)) << dome;
-      view.lens = {0.01f * size, 0.5f * size, 0, 0.0f};
+      const Image picture = draw(scene, sky, view, drawn(32)).beauty;
+      EXPECT_EQ(picture.rgb(16, 15), red) << dome;
+      EXPECT_EQ(picture.rgb(16, 2), dome > 0.0f ? vec3(0, 0, 1) : vec3(0, 1, 1)) << dome;
+      view.lens.radius = 0.01f * size, view.lens.focus_distance = 0.5f * size;
       raster::Settings many = drawn(32);
       many.frames = 4;
-      EXPECT_NEAR(draw(b.build(), dark_environment(), view, many).beauty.rgb(16, 15).x, 1.0f, 1e-3f) << dome;
+      EXPECT_NEAR(draw(scene, sky, view, many).beauty.rgb(16, 15).x, 1.0f, 1e-3f) << dome;
+      // Along parallel rays floats tell apart a ten-millionth of the depth.
+      if (dome * 1e-6f > 0.02f * size) continue;
       view.lens = {};
       view.projection = OrthographicCamera{size, size};
-      EXPECT_EQ(draw(b.build(), dark_environment(), view, drawn(32)).beauty.rgb(16, 15), vec3(1, 0, 0)) << dome;
+      EXPECT_EQ(draw(scene, sky, view, drawn(32)).beauty.rgb(16, 15), red) << dome;
     }
   }
 }

@@ -357,7 +357,7 @@ float occlusion() {
     ivec2 d = ivec2(i & 1, i >> 1);
     vec2 texel = texelFetch(screen_visibility, clamp(corner + d, ivec2(0), most), 0).xy;
     float w = (d.x == 1 ? f.x : 1.0 - f.x) * (d.y == 1 ? f.y : 1.0 - f.y);
-    w *= max(1.0 - 20.0 * abs(texel.y - depth) / max(depth, 1e-6), 0.0) + 1e-4;
+    w *= max(1.0 - 20.0 * abs(texel.y - depth) / max(depth, 1e-30), 0.0) + 1e-4;
     sum += w * texel.x;
     weight += w;
   }

@@ -99,6 +99,7 @@ std::size_t members_in(const gl::Program& program, const std::string& block) {
 }
 
 TEST_F(unit_blocks, members_lie_where_the_driver_reads_them) {
+  const auto context = gl::Context::open();
   Programs programs(shade::shading_model_candela());
   PassKey pass;
   pass.has_lights = pass.has_areas = pass.has_soft_shadows = true;
