@@ -28,11 +28,11 @@ void attribute(GLuint location, GLint size, std::size_t offset, GLsizei stride) 
   glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(offset));
 }
 
-std::vector<Vertex> interleave(const Primitive& p) {
+std::vector<Vertex> interleave(const Primitive& p, vec3 middle) {
   std::vector<Vertex> vertices(p.positions.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     Vertex& v = vertices[i];
-    v.position = p.positions[i];
+    v.position = p.positions[i] - middle;
     v.normal = p.normals[i];
     v.tangent = p.tangents.empty() ? vec4(0.0f) : p.tangents[i];
     const vec2 uv0 = p.uvs[0].empty() ? vec2(0.0f) : p.uvs[0][i];
@@ -188,7 +188,6 @@ void GpuScene::set_geometry(const Scene& scene) {
   primitives_.clear();
   first_primitive_.clear();
   draws_.clear();
-  bounds_ = {};
   triangle_count_ = 0;
   for (const Mesh& mesh : scene.meshes) {
     first_primitive_.push_back(primitives_.size());
@@ -205,7 +204,8 @@ void GpuScene::add_mesh(const Mesh& mesh) {
     gpu.material = p.material;
     gpu.index_count = static_cast<GLsizei>(3 * p.triangles.size());
     for (const vec3& position : p.positions) gpu.bounds.extend(position);
-    const std::vector<Vertex> vertices = interleave(p);
+    if (!gpu.bounds.empty()) gpu.middle = 0.5f * gpu.bounds.lower + 0.5f * gpu.bounds.upper;
+    const std::vector<Vertex> vertices = interleave(p, gpu.middle);
     glBindVertexArray(gpu.attributes);
     glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(),
@@ -307,14 +307,6 @@ void GpuScene::add_draws(const Scene& scene) {
       draw.node = static_cast<int>(n);
       draw.part = p - first_primitive_[mesh];
       draw.is_mirrored = glm::determinant(mat3(node.world_from_node)) < 0.0f;
-      const Box3& b = primitives_[p].bounds;
-      for (int i = 0; i < 8; ++i) {
-        draw.bounds.extend(transform_point(node.world_from_node,
-                                           {(i & 1) != 0 ? b.upper.x : b.lower.x, (i & 2) != 0 ? b.upper.y : b.lower.y,
-                                            (i & 4) != 0 ? b.upper.z : b.lower.z}));
-      }
-      draw.center = draw.bounds.center();
-      bounds_.extend(draw.bounds);
       triangle_count_ += static_cast<std::uint64_t>(primitives_[p].index_count) / 3;
       draws_.push_back(draw);
     }
@@ -322,10 +314,39 @@ void GpuScene::add_draws(const Scene& scene) {
   std::stable_sort(draws_.begin(), draws_.end(), [](const Draw& a, const Draw& b) {
     return std::pair(a.primitive, a.is_mirrored) < std::pair(b.primitive, b.is_mirrored);
   });
+  place_draws(scene);
+}
+
+void GpuScene::set_origin(const Scene& scene, vec3 origin) {
+  if (origin == origin_) return;
+  origin_ = origin;
+  place_draws(scene);
+}
+
+mat4 GpuScene::relative(const mat4& world_from_node) const {
+  mat4 m = world_from_node;
+  m[3] = vec4(vec3(glm::dvec3(m[3]) - glm::dvec3(origin_)), 1.0f);
+  return m;
+}
+
+void GpuScene::place_draws(const Scene& scene) {
+  bounds_ = {};
   std::vector<std::array<vec4, 3>> rows;
   rows.reserve(draws_.size());
-  for (const Draw& draw : draws_) {
-    const mat4 transposed = glm::transpose(scene.nodes[static_cast<std::size_t>(draw.node)].world_from_node);
+  for (Draw& draw : draws_) {
+    const GpuPrimitive& primitive = primitives_[static_cast<std::size_t>(draw.primitive)];
+    mat4 from_middle = scene.nodes[static_cast<std::size_t>(draw.node)].world_from_node;
+    const glm::dvec3 middle(glm::dmat4(from_middle) * glm::dvec4(primitive.middle, 1.0));
+    from_middle[3] = vec4(vec3(middle - glm::dvec3(origin_)), 1.0f);
+    const vec3 half = 0.5f * primitive.bounds.upper - 0.5f * primitive.bounds.lower;
+    draw.bounds = {};
+    for (int i = 0; i < 8; ++i) {
+      const vec3 side((i & 1) != 0 ? 1.0f : -1.0f, (i & 2) != 0 ? 1.0f : -1.0f, (i & 4) != 0 ? 1.0f : -1.0f);
+      draw.bounds.extend(transform_point(from_middle, half * side));
+    }
+    draw.center = draw.bounds.center();
+    bounds_.extend(draw.bounds);
+    const mat4 transposed = glm::transpose(from_middle);
     rows.push_back({transposed[0], transposed[1], transposed[2]});
   }
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
@@ -351,7 +372,7 @@ void GpuScene::bind_material(const GpuMaterial& material, const gl::Program& pro
   }
 }
 
-void GpuScene::draw(std::size_t first, std::size_t count) const {
+void GpuScene::bind_draw(std::size_t first) const {
   const Draw& d = draws_[first];
   const GpuPrimitive& p = primitives_[static_cast<std::size_t>(d.primitive)];
   glBindVertexArray(p.attributes);
@@ -361,7 +382,20 @@ void GpuScene::draw(std::size_t first, std::size_t count) const {
     glVertexAttribDivisor(5 + row, 1);
   }
   glFrontFace(d.is_mirrored ? GL_CW : GL_CCW);
-  glDrawElementsInstanced(GL_TRIANGLES, p.index_count, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(count));
+}
+
+void GpuScene::draw(std::size_t first, std::size_t count) const {
+  bind_draw(first);
+  const GLsizei index_count = primitives_[static_cast<std::size_t>(draws_[first].primitive)].index_count;
+  glDrawElementsInstanced(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(count));
+}
+
+void GpuScene::draw(std::size_t draw, const GpuTriangles& triangles) const {
+  bind_draw(draw);
+  // The vertex array holds the primitive's own indices.
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, triangles.indices);
+  glDrawElementsInstanced(GL_TRIANGLES, triangles.index_count, GL_UNSIGNED_INT, nullptr, 1);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, primitives_[static_cast<std::size_t>(draws_[draw].primitive)].indices);
 }
 
 }  // namespace candela::raster

@@ -220,7 +220,11 @@ const SurfaceProgram& Programs::mesh(const MaterialKey& material, const PassKey&
   return program;
 }
 
-const gl::Program& Programs::depth(const MaterialKey& material) {
+const gl::Program& Programs::depth(const MaterialKey& material) { return depth(material, false); }
+
+const gl::Program& Programs::shadow(const MaterialKey& material) { return depth(material, true); }
+
+const gl::Program& Programs::depth(const MaterialKey& material, bool is_shadow) {
   // All but the mask is the same to a shadow.
   MaterialKey key;
   key.alpha_mode = material.alpha_mode == AlphaMode::mask ? AlphaMode::mask : AlphaMode::opaque;
@@ -228,11 +232,13 @@ const gl::Program& Programs::depth(const MaterialKey& material) {
     key.slots = material.slots & (1u << base_color_slot);
     key.is_plain_uv = material.is_plain_uv;
   }
-  std::unique_ptr<gl::Program>& program = depth_[key];
+  std::unique_ptr<gl::Program>& program = depth_[{key, is_shadow}];
   if (program == nullptr) {
     const bool is_mask = key.alpha_mode == AlphaMode::mask;
-    program = compile("depth.vert.glsl", "depth.frag.glsl",
-                      slots_text(key, key.slots) + (is_mask ? define("ALPHA_MASK") : ""), false);
+    program = compile(
+        "depth.vert.glsl", "depth.frag.glsl",
+        slots_text(key, key.slots) + (is_mask ? define("ALPHA_MASK") : "") + (is_shadow ? define("IS_SHADOW") : ""),
+        false);
   }
   return *program;
 }

@@ -63,8 +63,10 @@ class Programs {
   explicit Programs(const shade::ShadingModel& model, std::string folder = {}, int most_textures = 0);
 
   const SurfaceProgram& mesh(const MaterialKey& material, const PassKey& pass);
-  /// Depth alone, for shadows.
+  /// Depth alone.
   const gl::Program& depth(const MaterialKey& material);
+  /// Depth as shadow maps have it.
+  const gl::Program& shadow(const MaterialKey& material);
   /// A fragment shader over the whole picture: "present.frag.glsl".
   const gl::Program& fullscreen(const std::string& fragment, const std::string& preamble = {});
   const gl::Program& background(bool has_panorama, int sun_count);
@@ -76,13 +78,14 @@ class Programs {
  private:
   std::unique_ptr<gl::Program> compile(const std::string& vertex, const std::string& fragment,
                                        const std::string& preamble, bool has_layers);
+  const gl::Program& depth(const MaterialKey& material, bool is_shadow);
   SurfaceProgram compile_mesh(MaterialKey material, const PassKey& pass);
 
   shade::ShadingModel model_;
   gl::ShaderText::Reader reader_;
   std::size_t most_textures_ = 0;
   std::map<std::pair<MaterialKey, PassKey>, SurfaceProgram> mesh_;
-  std::map<MaterialKey, std::unique_ptr<gl::Program>> depth_;
+  std::map<std::pair<MaterialKey, bool>, std::unique_ptr<gl::Program>> depth_;
   std::map<std::pair<std::string, std::string>, std::unique_ptr<gl::Program>> fullscreen_;
 };
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <future>
+#include <limits>
 
 #include "base/parallel.h"
 #include "gl/gl.h"
@@ -54,17 +55,6 @@ LightPoint light_point(int i, int frames) {
   return point;
 }
 
-/// Whether emissive surfaces are the only light there is.
-bool only_glows(const Scene& scene, const Environment& environment) {
-  const bool has_lamp =
-      std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.light >= 0; });
-  // By a texture, whose lamps nobody finds; what glows evenly is a light.
-  const bool glows = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-    return max_component(m.emission) > 0.0f && m.emissive_texture && !m.unlit;
-  });
-  return glows && !has_lamp && !is_lit_from_far(environment) && environment.suns.empty();
-}
-
 /// cos⁴ of the angle to the axis, as far as the lens has it.
 void apply_vignetting(const View& view, Image& image) {
   const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
@@ -112,8 +102,9 @@ namespace {
 
 /// Brings directions and lengths to where a picture can show them: directions from −1 … 1 to 0 … 1, positions and
 /// depths over the scene's size, an object's number to a colour of its own.
+/// Positions and `bounds` are relative to the same origin.
 void show_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
-  const vec3 size = glm::max(bounds.size(), vec3(1e-6f));
+  const vec3 size = glm::max(bounds.size(), vec3(std::numeric_limits<float>::min()));
   const auto shown = [&](vec3 v) {
     switch (quantity) {
       case Quantity::normal:
@@ -210,10 +201,6 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
     }
     s.light_s = baking.lap();
   };
-  if (only_glows(scene, environment)) {
-    diagnostics.warn("only what glows in it lights the scene, which the path tracer can show and this engine cannot",
-                     scene.name);
-  }
   std::future<void> baked = std::async(std::launch::async, bake);
   Settings used = settings;
   if (is_of_surface(used.quantity)) used.msaa = 1;  // numbers of two surfaces have no mean

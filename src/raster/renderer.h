@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <set>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "image/develop.h"
 #include "raster/areas.h"
 #include "raster/camera.h"
+#include "raster/depth_range.h"
 #include "raster/gpu_scene.h"
 #include "raster/image_light.h"
 #include "raster/lights.h"
@@ -32,7 +34,7 @@ class Renderer {
   /// and frames are many, each time with another `point` of them.
   void begin(const View& view, LightPoint point = LightPoint(0.5f));
   bool has_extended_lights() const;
-  /// Draws one frame; see frame_camera for `jitter` and `aperture`.
+  /// Draws one frame of the view that begin() was given; see frame_camera for `jitter` and `aperture`.
   void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f));
   /// The last frame: linear, 4 channels, premultiplied, row 0 at the top.
   Image read();
@@ -69,7 +71,9 @@ class Renderer {
   void bind_light(const gl::Program& program) const;
   void tell_left_out(const GpuMaterial& material, std::uint32_t slots);
   void find_area_lights(Diagnostics& diagnostics);
+  View relative(View view) const;
   void draw_shadows();
+  void draw_casters(int layer);
   void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks);
   void draw_scattering(const FrameCamera& camera);
   void draw_background(const FrameCamera& camera);
@@ -88,9 +92,13 @@ class Renderer {
   GpuScene gpu_;
   std::vector<GpuProbe> probes_;
   SceneLights lights_;
-  bool is_moved_light_ = false;    ///< shadows are seen from a point of each light that was not the middle
-  std::vector<AreaLight> areas_;   ///< of the scene as it stands
-  std::vector<int> area_of_draw_;  ///< which area light a draw is, -1 none
+  bool is_moved_light_ = false;   ///< shadows are seen from a point of each light that was not the middle
+  std::vector<AreaLight> areas_;  ///< of the scene as it stands
+  std::vector<int> own_areas_;    ///< of each draw; bit i: area light i is part of it
+  /// What of a draw is not part of an area light that it is part of: it casts shadows in its light.
+  std::map<std::pair<int, std::size_t>, GpuTriangles> beside_lamps_;
+  DepthRange range_;  ///< of the view that begin() was given
+  float sky_ = 0.0f;  ///< mean luminance from far away
   bool is_begun_ = false;
   Diagnostics told_;  ///< warnings that were given before
   std::set<GLintptr> told_materials_;
