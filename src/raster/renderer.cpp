@@ -185,7 +185,8 @@ void Renderer::upload_table() {
   // As table_ggx_texel() reads it.
   const auto cosines = static_cast<std::size_t>(shade::kTableMu);
   std::vector<vec2> ggx;
-  for (std::size_t row = 0; row < static_cast<std::size_t>(shade::kTableRoughness); ++row) {
+  constexpr int kRows = shade::kTableCurves * shade::kTableRoughness;
+  for (std::size_t row = 0; row < static_cast<std::size_t>(kRows); ++row) {
     const auto entry = [](int table, std::size_t i) {
       const float* at = shade::kTableEntries + table + 2 * i;
       return vec2(at[1], 1.0f - at[0] - at[1]);
@@ -194,7 +195,7 @@ void Renderer::upload_table() {
     ggx.push_back(entry(shade::kTableGgxMean, row));
   }
   glBindTexture(GL_TEXTURE_2D, ggx_table_);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RG16F, shade::kTableMu + 1, shade::kTableRoughness, 0, GL_RG, GL_FLOAT, ggx.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RG16F, shade::kTableMu + 1, kRows, 0, GL_RG, GL_FLOAT, ggx.data());
   filter(GL_TEXTURE_2D, GL_LINEAR, GL_LINEAR);
   wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
   gl::check("uploading the tables");

@@ -21,12 +21,10 @@ struct SurfaceShares {
 
 SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
   float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
-  vec2 ab = layers_ggx(s, wo);
+  vec2 ab = layers_ggx(s, wo, s.curve);
   vec3 specular = s.specular_albedo_o;
   // The tables know a film at normal incidence; here it has the colour of this angle.
-  if (s.iridescence > 0.0f) {
-    specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - base_specular_albedo(s, ab);
-  }
+  if (s.iridescence > 0.0f) specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - s.single_albedo_o;
   r.specular = specular * over;
   r.diffuse = s.diffuse * s.film_below_o * s.transmission_o;
   r.below = s.diffuse_below * s.film_below_o * s.transmission_o;
@@ -34,7 +32,8 @@ SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceSha
   r.coat = vec3(s.coat * s.coat_albedo_o);
   if (s.weight_glass <= 0.0f) return;
   // A smooth boundary, or a film, reflects by the exact curve; a rough one loses what the tables of glass say.
-  vec3 reflected = s.glass_f0_tinted * ab.x + vec3(s.f90_dielectric * ab.y);
+  vec2 ab_glass = layers_ggx(s, wo, table_curve(max(s.eta, 1.0f / s.eta)));
+  vec3 reflected = s.glass_f0_tinted * ab_glass.x + vec3(s.f90_dielectric * ab_glass.y);
   if (s.is_glass_delta) reflected = terms_fresnel_glass(s, wo.z);
   if (s.iridescence > 0.0f) reflected = terms_fresnel_glass(s, wo.z) * (ab.x + ab.y);
   vec3 lost = vec3(s.glass_escape_o * s.glass_reflected);

@@ -93,18 +93,67 @@ double mean_over_mu(const std::function<double(int)>& f, int count) {
   return sum;
 }
 
+/// The inverse of table_curve.
+float curve_index(int curve) {
+  const double root = static_cast<double>(curve - 1) / (kTableCurves - 2);
+  const double x = static_cast<double>(kTableCurveMost) * root * root;
+  return static_cast<float>((1.0 + x) / (1.0 - x));
+}
+
+/// How far a curve has risen at a facet. 1 / (1 - F0) is computed once: this is asked millions of times.
+class Curve {
+ public:
+  explicit Curve(int curve) : index_(curve == 0 ? 0.0f : curve_index(curve)) {
+    if (index_ > 0.0f) scale_ = fresnel_rise_scale(index_);
+  }
+  double at(float cos_m) const {
+    return static_cast<double>(index_ > 0.0f ? fresnel_rise(cos_m, index_, scale_) : schlick_weight(cos_m));
+  }
+
+ private:
+  float index_, scale_ = 1.0f;
+};
+
 void make_ggx() {
+  std::vector<Curve> curves;
+  for (int c = 0; c < kTableCurves; ++c) curves.emplace_back(c);
   for (int r = 0; r < kTableRoughness; ++r) {
     const float alpha = roughness_to_alpha(roughness_at(r, kTableRoughness));
     for (int m = 0; m < kTableMu; ++m) {
-      const vec2 ab = ggx_split_sum(direction(mu_at(m, kTableMu)), alpha);
-      at(kTableGgx, (r * kTableMu + m) * 2) = ab.x;
-      at(kTableGgx, (r * kTableMu + m) * 2 + 1) = ab.y;
+      const vec3 wo = direction(mu_at(m, kTableMu));
+      double white = 0.0;
+      std::vector<double> rise(curves.size(), 0.0);
+      const auto add = [&](float cos_m, double weight) {
+        white += weight;
+        for (std::size_t c = 0; c < curves.size(); ++c) rise[c] += weight * curves[c].at(cos_m);
+      };
+      if (alpha < kGgxMirrorAlpha) {
+        add(wo.z, 1.0);
+      } else {
+        over_ggx(wo, alpha, [&](vec3, float cos_m, double weight) { add(cos_m, weight); });
+      }
+      for (int c = 0; c < kTableCurves; ++c) {
+        const int entry = c * kTableGgxSlice + (r * kTableMu + m) * 2;
+        const double b = rise[static_cast<std::size_t>(c)];
+        at(kTableGgx, entry) = static_cast<float>(white - b);
+        at(kTableGgx, entry + 1) = static_cast<float>(b);
+      }
     }
-    for (int c = 0; c < 2; ++c) {
-      at(kTableGgxMean, r * 2 + c) =
-          static_cast<float>(mean_over_mu([&](int m) { return get(kTableGgx, (r * kTableMu + m) * 2 + c); }, kTableMu));
+    for (int i = 0; i < 2 * kTableCurves; ++i) {
+      const int c = i / 2, k = i % 2;
+      const auto entry = [&](int m) { return get(kTableGgx, c * kTableGgxSlice + (r * kTableMu + m) * 2 + k); };
+      at(kTableGgxMean, (c * kTableRoughness + r) * 2 + k) = static_cast<float>(mean_over_mu(entry, kTableMu));
     }
+  }
+  const GaussRule rule = gauss_rule(64);
+  for (int c = 0; c < kTableCurves; ++c) {
+    // µ = x³: near an index of 1 all of the rise is at the horizon.
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+      const double x = rule.nodes[i], mu = x * x * x;
+      sum += rule.weights[i] * curves[static_cast<std::size_t>(c)].at(static_cast<float>(mu)) * 2.0 * mu * 3.0 * x * x;
+    }
+    at(kTableRise, c) = static_cast<float>(sum);
   }
 }
 
@@ -202,8 +251,10 @@ void make_over(int table, const std::function<double(int layer, double mu)>& tra
   constexpr int kPoints = 512;
   constexpr int kIterations = 16;
   struct Scattered {
-    float mu, weight, schlick;
+    float mu, weight, rise;
   };
+  const Curve curve(kTableCurveOfGlass);
+  const auto rise = [&](float cos_m) { return static_cast<float>(curve.at(cos_m)); };
   for (int lobe = 0; lobe < n; ++lobe) {
     const float alpha = roughness_to_alpha(roughness_at(lobe, n));
     // ----- the white lobe: single scattering as directions with weights, the rest as a product of escapes
@@ -213,7 +264,7 @@ void make_over(int table, const std::function<double(int layer, double mu)>& tra
       const vec3 wo = direction(mu_at(m, n));
       auto& scattered = sampled[static_cast<std::size_t>(m)];
       if (alpha < kGgxMirrorAlpha) {
-        scattered = {{wo.z, 1.0f, schlick_weight(wo.z)}};
+        scattered = {{wo.z, 1.0f, rise(wo.z)}};
         continue;
       }
       double albedo = 0.0;
@@ -221,7 +272,7 @@ void make_over(int table, const std::function<double(int layer, double mu)>& tra
         const vec3 wi = microfacet_reflect(wo, wm);
         if (wi.z <= 0.0f) return;
         const double w = masking(wo, wi, alpha) / kPoints;
-        scattered.push_back({wi.z, static_cast<float>(w), schlick_weight(dot(wo, wm))});
+        scattered.push_back({wi.z, static_cast<float>(w), rise(dot(wo, wm))});
         albedo += w;
       });
       escape[static_cast<std::size_t>(m)] = 1.0 - albedo;
@@ -255,8 +306,8 @@ void make_over(int table, const std::function<double(int layer, double mu)>& tra
         double b = 0.0;
         for (const Scattered& w : sampled[m]) {
           const double value = s[m] * static_cast<double>(w.weight) * read_row(s, static_cast<double>(w.mu));
-          a += value * (1.0 - static_cast<double>(w.schlick));
-          b += value * static_cast<double>(w.schlick);
+          a += value * (1.0 - static_cast<double>(w.rise));
+          b += value * static_cast<double>(w.rise);
         }
         const int entry = ((layer * n + lobe) * n + static_cast<int>(m)) * 3;
         at(table, entry) = static_cast<float>(s[m] / std::sqrt(t[m]));
@@ -530,18 +581,20 @@ double read_between(int table, double x, double mu, int stride, int offset) {
 
 double layer_at(int layer) { return static_cast<double>(layer) / (kTableLayers - 1); }
 
-/// Albedo of the coat: Schlick from kCoatF0, with its own multiple scattering.
+/// Albedo of the coat, with its own multiple scattering.
 double coat_albedo(int layer, double mu) {
   const double r = layer_at(layer) * (kTableRoughness - 1);
   const int r0 = std::min(static_cast<int>(r), kTableRoughness - 2);
+  constexpr int kTerms = kTableGgx + kTableCurveOfGlass * kTableGgxSlice;
+  constexpr int kMeans = kTableGgxMean + kTableCurveOfGlass * kTableRoughness * 2;
   double e_mean = 0.0;
   for (int c = 0; c < 2; ++c) {
-    e_mean += (1.0 - (r - r0)) * get(kTableGgxMean, r0 * 2 + c) + (r - r0) * get(kTableGgxMean, r0 * 2 + 2 + c);
+    e_mean += (1.0 - (r - r0)) * get(kMeans, r0 * 2 + c) + (r - r0) * get(kMeans, r0 * 2 + 2 + c);
   }
-  const double a = read_between(kTableGgx, layer_at(layer), mu, 2, 0);
-  const double b = read_between(kTableGgx, layer_at(layer), mu, 2, 1);
+  const double a = read_between(kTerms, layer_at(layer), mu, 2, 0);
+  const double b = read_between(kTerms, layer_at(layer), mu, 2, 1);
   const double f0 = static_cast<double>(kCoatF0);
-  const double f_mean = f0 + (1.0 - f0) / 21.0;
+  const double f_mean = f0 + (1.0 - f0) * get(kTableRise, kTableCurveOfGlass);
   return f0 * a + b + f_mean * f_mean * e_mean / (1.0 - f_mean * (1.0 - e_mean)) * (1.0 - a - b);
 }
 

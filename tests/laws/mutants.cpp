@@ -114,7 +114,7 @@ vec3 specular_value(const Surface& s, vec3 wo, vec3 wi) {
 
 // With what scatters many times between facets left out: of smooth dielectrics, where it is nothing.
 vec3 diffuse_value(const Surface& s, vec3 wi) {
-  const float into = shade::base_transmission(s, shade::table_ggx(wi.z, s.row));
+  const float into = shade::base_transmission(s, shade::table_ggx_curve(wi.z, s.row, s.curve));
   return shade::lambert_f(s.diffuse) * (s.transmission_o * into * s.diffuse_scale * wi.z);
 }
 

@@ -5,7 +5,7 @@
 #include "shade/surface_terms.glsl.h"
 
 void layers_matter(SurfaceParams p, inout Surface s) {}
-vec2 layers_ggx(Surface s, vec3 w) { return vec2(0.0); }
+vec2 layers_ggx(Surface s, vec3 w, TableCell curve) { return vec2(0.0); }
 vec2 layers_ggx_mean(Surface s) { return vec2(0.0); }
 void layers_prepare(SurfaceParams p, vec3 wo, vec2 ab, vec2 mean, inout Surface s) {}
 bool layers_is_delta(Surface s) { return false; }
