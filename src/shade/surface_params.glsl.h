@@ -71,7 +71,7 @@ struct Surface {
   TableCell row;     ///< of `roughness` in the tables of GGX
   float index;       ///< of the dielectric boundary; 0 where its reflectance rises by Schlick's curve
   float rise_scale;  ///< see fresnel_rise
-  float rise_mean;   ///< cosine-weighted mean of that curve
+  float rise_mean;   ///< of that curve, over the facets that multiply scattered light meets
   TableCell curve;   ///< and its place in the tables of GGX; Schlick's of a metal alone
 
   // ----- energy: what single scattering loses, and what the boundary lets through
@@ -158,6 +158,17 @@ struct SurfaceSample {
   float pdf;    ///< per solid angle; of a delta lobe the probability of choosing it
   bool is_delta;
   bool is_straight;  ///< passed a sheet without turning: wi = -wo
+};
+
+/// Directional albedos at wo, each as it is left by what lies above it.
+struct SurfaceShares {
+  vec3 specular;  ///< opaque facets
+  vec3 diffuse;
+  vec3 below;    ///< diffuse light from the other side
+  vec3 glass;    ///< facets of the transparent part, reflected
+  vec3 through;  ///< and let through, tint included: of one sheet, or of one boundary of a body
+  vec3 sheen;
+  vec3 coat;
 };
 
 SHADE_FN SurfaceParams surface_params_default() {
