@@ -18,23 +18,20 @@ SHADE_FN vec3 shade_tangent(vec3 n) {
   return vec3(1.0f + sgn * n.x * n.x * a, sgn * n.x * n.y * a, -sgn * n.x);
 }
 
-/// Share of light that facets reflect after several bounces among them, of what single scattering loses. `mean` is the
-/// mean Fresnel reflectance, `albedo` the mean single-scattering albedo of white facets. Kulla & Conty 2017,
-/// "Revisiting Physically Based Shading at Imageworks"; with Hill's correction (2018), which counts the second bounce
-/// as the first.
-SHADE_FN float multiscatter_share(float mean, float albedo) {
-  return mean * mean * albedo / (1.0f - mean * (1.0f - albedo));
+/// Share of light that facets reflect after several bounces among them, of what single scattering loses: the series
+/// over the number of bounces, as Kulla & Conty 2017, "Revisiting Physically Based Shading at Imageworks", have it,
+/// with what random walks say of its terms. `mean` is the mean reflectance of the facets that such light meets, `walk`
+/// what table_walk() has of the roughness.
+SHADE_FN float multiscatter_share(float mean, vec2 walk) {
+  float further = mean * walk.y / (1.0f - mean * (1.0f - walk.y));
+  return mean * mean * (walk.x + (1.0f - walk.x) * further);
 }
 
-SHADE_FN vec3 multiscatter_share3(vec3 mean, float albedo) {
-  return vec3(multiscatter_share(mean.x, albedo), multiscatter_share(mean.y, albedo),
-              multiscatter_share(mean.z, albedo));
+SHADE_FN vec3 multiscatter_share3(vec3 mean, vec2 walk) {
+  return vec3(multiscatter_share(mean.x, walk), multiscatter_share(mean.y, walk), multiscatter_share(mean.z, walk));
 }
 
-/// Cosine-weighted mean of Schlick's curve.
-SHADE_FN vec3 schlick_mean(vec3 f0, float f90) { return f0 + (vec3(f90) - f0) * (1.0f / 21.0f); }
-
-/// And of the dielectric boundary's.
+/// Mean reflectance of the dielectric facets that multiply scattered light meets.
 SHADE_FN vec3 base_mean(SHADE_IN(Surface) s) {
   return s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * s.rise_mean;
 }
@@ -79,16 +76,20 @@ SHADE_FN vec3 base_single_albedo(SHADE_IN(Surface) s, vec2 ab, vec2 ab_metal) {
 SHADE_FN void base_rises_by_schlick(SHADE_INOUT(Surface) s) {
   s.index = 0.0f;
   s.rise_scale = 1.0f;
-  s.rise_mean = 1.0f / 21.0f;
   s.curve = table_curve_schlick();
 }
 
 /// Or by that of an index.
 SHADE_FN void base_rises_by_index(float ior, SHADE_INOUT(Surface) s) {
+  if (ior == kCoatIndex) {  // of most surfaces: nothing to compute
+    s.index = kCoatIndex;
+    s.rise_scale = 1.0f / (1.0f - kCoatF0);
+    s.curve = table_curve_at(kTableCurveOfGlass);
+    return;
+  }
   s.index = min(max(ior, 1.0f / ior), kTableMostIndex);
   s.rise_scale = fresnel_rise_scale(s.index);
   s.curve = table_curve(s.index);
-  s.rise_mean = table_rise(s.curve);
 }
 
 /// Weights, colours and widths of the base.
@@ -119,16 +120,19 @@ SHADE_FN void base_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
 SHADE_FN void base_energy(vec2 ab, vec2 mean, vec2 ab_metal, SHADE_INOUT(Surface) s) {
   s.escape_mean = 1.0f - mean.x - mean.y;
   s.escape_o = s.is_mirror ? 0.0f : base_escape(ab);
+  s.rise_mean = table_walk_rise(s.row, s.curve);
 
   // ----- multiple scattering between facets, of each material before they are mixed
+  vec2 walk = table_walk(s.row);
   vec3 share_dielectric = vec3(0.0f);
   vec3 share = vec3(0.0f);
   if (s.weight_metal < 1.0f) {
-    share_dielectric = multiscatter_share3(base_mean(s), 1.0f - s.escape_mean);
+    share_dielectric = multiscatter_share3(base_mean(s), walk);
     share = s.weight_dielectric * share_dielectric;
   }
   if (s.weight_metal > 0.0f) {
-    share += s.weight_metal * multiscatter_share3(schlick_mean(s.f0_metal, 1.0f), 1.0f - s.escape_mean);
+    float rise = s.curve.i == 0 ? s.rise_mean : table_walk_rise(s.row, table_curve_schlick());
+    share += s.weight_metal * multiscatter_share3(s.f0_metal + (vec3(1.0f) - s.f0_metal) * rise, walk);
   }
   s.multiscatter = share * (1.0f / (kShadePi * max(s.escape_mean, 1e-6f)));
 

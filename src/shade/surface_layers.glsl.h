@@ -239,7 +239,7 @@ SHADE_APART SHADE_FN void layers_prepare_film(vec3 wo, vec2 ab, vec2 mean, SHADE
     s.film_beyond[i] = terms_fresnel_dielectric(s, mu) - curve;
     beyond += s.film_beyond[i] * layers_film_mean(s, i);
   }
-  s.film_escape = multiscatter_share3(base_mean(s), 1.0f - s.escape_mean);
+  s.film_escape = multiscatter_share3(base_mean(s), table_walk(s.row));
   s.film_below_scale = vec3(1.0f) / max(layers_film_below(s, mean, beyond), vec3(1e-3f));
   s.film_below_o = layers_film_below_at(s, ab, wo);
 }
@@ -285,8 +285,8 @@ SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOU
   s.coat_row = table_ggx_roughness(s.coat_roughness);
   vec2 mean = table_ggx_curve_mean(s.coat_row, s.coat_curve);
   float escape_mean = 1.0f - mean.x - mean.y;
-  float f_mean = kCoatF0 + (1.0f - kCoatF0) * table_rise(s.coat_curve);
-  float share = s.model.multiscatter ? multiscatter_share(f_mean, 1.0f - escape_mean) : 0.0f;
+  float f_mean = kCoatF0 + (1.0f - kCoatF0) * table_walk_rise(s.coat_row, s.coat_curve);
+  float share = s.model.multiscatter ? multiscatter_share(f_mean, table_walk(s.coat_row)) : 0.0f;
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
   vec2 ab = table_ggx_curve(layers_coat_cosine(s, wo), s.coat_row, s.coat_curve);
@@ -309,9 +309,8 @@ SHADE_FN float layers_glass_escape_mean(SHADE_IN(Surface) s, float eta) {
 }
 
 /// Multiple scattering of a rough boundary between two transparent media, or within a sheet. What single scattering
-/// loses at wo leaves on either side: it has forgotten where it came from, so that the sides share it as n² (1 -
-/// albedo), which is also what reciprocity asks for. Kulla & Conty 2017, p. 20, with that choice for the free
-/// parameter.
+/// loses at wo leaves on either side. How much of it crosses is one number for both directions, as reciprocity asks
+/// (Kulla & Conty 2017, p. 20, leave it free); random walks say which.
 SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
   s.glass_escape_o = 0.0f;
   s.glass_reflected = 0.0f;
@@ -331,7 +330,8 @@ SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
   float here = max(layers_glass_escape_mean(s, s.eta), 1e-6f);
   float there = max(layers_glass_escape_mean(s, 1.0f / s.eta), 1e-6f);
   float n2 = s.eta * s.eta;
-  float through = there * n2 / (here + there * n2);
+  float across = table_glass_through(s.roughness, s.eta) * (s.eta >= 1.0f ? here : there * n2);
+  float through = min(across / here, 1.0f);
   s.glass_escape_o = max(1.0f - table_glass(wo.z, layers_roughness_along(s, wo), s.eta), 0.0f);
   s.glass_reflected = 1.0f - through;
   s.glass_multireflect = s.weight_glass * (1.0f - through) / (kShadePi * here);

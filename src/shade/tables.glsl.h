@@ -69,7 +69,15 @@ SHADE_CONST int kTableFilmMean = kTableFilm + kFilmCosines * kTableRoughness * k
 /// [roughness][mu][4]
 SHADE_CONST int kTableCosines = 32;  // of either
 SHADE_CONST int kTableCosine = kTableFilmMean + kFilmCosines * kTableRoughness;
-SHADE_CONST int kTableSize = kTableCosine + kTableCosines * kTableCosines * 4;
+/// Light that meets more than one facet, by random walks: the share of it that leaves after the second, and of what is
+/// left the share that leaves after each further one, [roughness][2]; and how far a curve has risen in the mean of the
+/// facets that it meets, [curve][roughness].
+SHADE_CONST int kTableWalk = kTableCosine + kTableCosines * kTableCosines * 4;
+SHADE_CONST int kTableWalkRise = kTableWalk + kTableRoughness * 2;
+/// Share of what single scattering at a rough dielectric boundary loses that leaves on the denser side, of light from
+/// the rarer one. [index][roughness]
+SHADE_CONST int kTableGlassThrough = kTableWalkRise + kTableCurves * kTableRoughness;
+SHADE_CONST int kTableSize = kTableGlassThrough + kTableIndices * kTableRoughness;
 
 // ----- interpolation
 
@@ -161,21 +169,38 @@ SHADE_FN vec2 table_ggx_curve_mean(TableCell roughness, TableCell curve) {
   return ab;
 }
 
+/// What random walks say of light that meets more than one facet, see kTableWalk.
+SHADE_FN vec2 table_walk(TableCell roughness) {
+  int a = kTableWalk + roughness.i * 2;
+  return mix(vec2(shade_table(a), shade_table(a + 1)), vec2(shade_table(a + 2), shade_table(a + 3)), roughness.t);
+}
+
+SHADE_FN float table_walk_rise(TableCell roughness, TableCell curve) {
+  int at = kTableWalkRise + curve.i * kTableRoughness;
+  float lower = table_linear(at, roughness);
+  return curve.t > 0.0f ? mix(lower, table_linear(at + kTableRoughness, roughness), curve.t) : lower;
+}
+
 #ifdef SHADE_FILTERED_TABLES
-// The same two tables in a texture that the driver interpolates: for each curve a row for each roughness, its cosines
-// and then its mean, each as (B, 1 - A - B), so that half floats keep what little a smooth surface loses. Whoever
-// compiles the shader fills it from the array.
+// The same tables in a texture that the driver interpolates: for each curve a row for each roughness, its cosines and
+// then its mean, each as (B, 1 - A - B), so that half floats keep what little a smooth surface loses, and what
+// table_walk and table_walk_rise have. Whoever compiles the shader fills it from the array.
 uniform highp sampler2D shade_ggx_texels;
 
-vec2 table_ggx_texel(float x, TableCell roughness, TableCell curve) {
+vec2 table_ggx_column(float x, TableCell roughness, TableCell curve) {
   // No row is filtered with the next curve's: the last one is met in its middle.
   vec2 at = vec2(x + 0.5, float(curve.i * kTableRoughness + roughness.i) + roughness.t + 0.5);
-  vec2 size = vec2(kTableMu + 1, kTableCurves * kTableRoughness);
+  vec2 size = vec2(kTableMu + 3, kTableCurves * kTableRoughness);
   vec2 texel = textureLod(shade_ggx_texels, at / size, 0.0).xy;
   if (curve.t > 0.0) {
     at.y += float(kTableRoughness);
     texel = mix(texel, textureLod(shade_ggx_texels, at / size, 0.0).xy, curve.t);
   }
+  return texel;
+}
+
+vec2 table_ggx_texel(float x, TableCell roughness, TableCell curve) {
+  vec2 texel = table_ggx_column(x, roughness, curve);
   return vec2(1.0 - texel.x - texel.y, texel.x);
 }
 
@@ -187,6 +212,16 @@ vec2 table_ggx_mean_filtered(TableCell roughness, TableCell curve) {
   return table_ggx_texel(float(kTableMu), roughness, curve);
 }
 
+vec2 table_walk_filtered(TableCell roughness) {
+  return table_ggx_column(float(kTableMu + 1), roughness, table_curve_schlick());
+}
+
+float table_walk_rise_filtered(TableCell roughness, TableCell curve) {
+  return table_ggx_column(float(kTableMu + 2), roughness, curve).x;
+}
+
+#define table_walk table_walk_filtered
+#define table_walk_rise table_walk_rise_filtered
 #define table_ggx_curve table_ggx_filtered
 #define table_ggx_curve_mean table_ggx_mean_filtered
 #endif
@@ -204,7 +239,7 @@ SHADE_FN float table_other_rise(float rise, float from, float to, float share) {
 
 SHADE_FN TableCell table_ggx_roughness(float roughness) { return table_cell(roughness, kTableRoughness); }
 
-// ----- curves of reflectance other than Schlick's
+// ----- curves of reflectance other than a boundary's
 
 /// Chebyshev's points, between which a polynomial strays least.
 SHADE_FN float table_film_cosine(int i) {
@@ -279,6 +314,11 @@ SHADE_FN float table_glass(float mu, float roughness, float eta) {
 SHADE_FN float table_glass_mean(float roughness, float eta) {
   int at = kTableGlassMean + (eta < 1.0f ? kTableIndices * kTableRoughness : 0);
   return table_bilinear(at, table_cell(roughness, kTableRoughness), table_cell_index(eta), kTableRoughness);
+}
+
+SHADE_FN float table_glass_through(float roughness, float eta) {
+  return table_bilinear(kTableGlassThrough, table_cell(roughness, kTableRoughness), table_cell_index(eta),
+                        kTableRoughness);
 }
 
 // ----- layers over GGX
