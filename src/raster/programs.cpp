@@ -94,7 +94,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
     if (is_wanted) text += define(name);
   };
   const auto has = [&key](int lobe) { return (key.lobes & lobe) != 0; };
-  if (has(shade::kLobeModel)) text += model_text(model);
+  text += has(shade::kLobeModel) ? model_text(model) : define("SHADE_DEFAULT_MODEL");
   add(key.has_tangents, "HAS_TANGENT");
   add(key.has_colors, "HAS_COLOR");
   add(key.has_body, "HAS_BODY");

@@ -244,19 +244,23 @@ void Renderer::upload_table() {
   glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, kWidth, height, 0, GL_RED, GL_FLOAT, texels.data());
   filter(GL_TEXTURE_2D, GL_NEAREST, GL_NEAREST);
 
-  // As table_ggx_texel() reads it.
+  // As table_ggx_column() reads it.
   const auto cosines = static_cast<std::size_t>(shade::kTableMu);
   std::vector<vec2> ggx;
-  for (std::size_t row = 0; row < static_cast<std::size_t>(shade::kTableRoughness); ++row) {
+  constexpr int kRows = shade::kTableCurves * shade::kTableRoughness;
+  for (std::size_t row = 0; row < static_cast<std::size_t>(kRows); ++row) {
     const auto entry = [](int table, std::size_t i) {
       const float* at = shade::kTableEntries + table + 2 * i;
       return vec2(at[1], 1.0f - at[0] - at[1]);
     };
     for (std::size_t i = 0; i < cosines; ++i) ggx.push_back(entry(shade::kTableGgx, row * cosines + i));
     ggx.push_back(entry(shade::kTableGgxMean, row));
+    const float* walk = shade::kTableEntries + shade::kTableWalk + 2 * (row % shade::kTableRoughness);
+    ggx.emplace_back(walk[0], walk[1]);
+    ggx.emplace_back(shade::kTableEntries[shade::kTableWalkRise + static_cast<int>(row)], 0.0f);
   }
   glBindTexture(GL_TEXTURE_2D, ggx_table_);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RG16F, shade::kTableMu + 1, shade::kTableRoughness, 0, GL_RG, GL_FLOAT, ggx.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RG16F, shade::kTableMu + 3, kRows, 0, GL_RG, GL_FLOAT, ggx.data());
   filter(GL_TEXTURE_2D, GL_LINEAR, GL_LINEAR);
   wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
   gl::check("uploading the tables");

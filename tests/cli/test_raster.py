@@ -95,6 +95,15 @@ class Pictures(RasterTest):
         self.assertNotIn("warning", self.draws("render", "demo:cornell", *arguments).err)
         self.assertNotIn("warning", self.draws(*SPHERES, "-o", "b.png").err)
 
+    def test_every_shading_model_draws_a_picture_of_its_own(self):
+        pictures = {"default": self.probe.read_bytes()}
+        for model in ("gltf", "ue4", "thesis", "blinn-phong", "candela,multiscatter=off"):
+            self.draws(*SPHERES, "-o", "model.png", "--shading", model)
+            pictures[model] = (self.folder / "model.png").read_bytes()
+        self.assertEqual(len(set(pictures.values())), len(pictures), list(pictures))
+        self.draws(*SPHERES, "-o", "model.png", "--shading", "candela")
+        self.assertEqual((self.folder / "model.png").read_bytes(), pictures["default"])
+
     def test_no_opengl_says_what_was_tried_and_what_helps(self):
         nowhere = environment(self.elsewhere, __EGL_VENDOR_LIBRARY_DIRS="/nonexistent", __EGL_VENDOR_LIBRARY_FILENAMES="")
         self.fails(*SPHERES, "-o", "b.png", says="no usable OpenGL.*libegl1", env=nowhere)
