@@ -19,6 +19,7 @@
 #include "cli/option.h"
 #include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "ibl/cube.h"
@@ -253,7 +254,7 @@ Environment adjusted(Environment environment, const BakeOptions& o) {
   return environment;
 }
 
-CubeFaces capture(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
+CubeFaces capture(const BakeOptions& o, ProgressLine& progress, std::vector<Diagnostic>& warnings) {
   Diagnostics diagnostics;
   const Scene scene = load(o.scene, &diagnostics);
   const Environment environment =
@@ -262,12 +263,12 @@ CubeFaces capture(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
   path::Settings settings;
   settings.samples = o.spp;
   path::Callbacks callbacks;
-  const Interrupt interrupt;  // the first Ctrl-C ends the capture, and the bake with it
+  callbacks.progress = [&](const path::Progress& p) { progress.update(p); };
   callbacks.stop = &Interrupt::requested();
   path::Statistics statistics;
   const Cubemap seen =
       path::capture_environment(scene, environment, *o.at, o.bake.size, settings, &statistics, callbacks);
-  if (statistics.interrupted) throw Error("interrupted while the scene was captured", o.scene);
+  if (statistics.interrupted) throw Interrupted("while the scene was captured");
   return seen.levels.at(0);
 }
 
@@ -278,10 +279,10 @@ struct Light {
   bool is_panorama = false;  ///< the source is a file's own panorama
 };
 
-Light load_light(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
+Light load_light(const BakeOptions& o, ProgressLine& progress, std::vector<Diagnostic>& warnings) {
   Light light;
   if (!o.scene.empty()) {
-    light.faces = capture(o, warnings);
+    light.faces = capture(o, progress, warnings);
     light.source = ibl::make_source(*light.faces);
     return light;
   }
@@ -348,14 +349,56 @@ void check_usage(const BakeOptions& o) {
   }
 }
 
+/// What has no effect beside other options is not silently ignored.
+void check_combinations(const CLI::App& verb, const BakeOptions& o) {
+  const auto refuse = [&](std::initializer_list<const char*> options, const std::string& why) {
+    for (const char* option : options) {
+      if (verb.count(option) > 0) throw UsageError(std::string(option) + ": " + why);
+    }
+  };
+  if (!o.compared.empty()) {
+    for (const CLI::Option* option : verb.get_options()) {
+      const std::string name = option->get_name();
+      const bool counts = name == "--diff" || name == "--axes" || name == "--json" || name == "--threads" ||
+                          name == "--quiet" || name == "--help";
+      if (option->count() > 0 && !counts) throw UsageError(name + ": --diff compares two files and bakes nothing");
+    }
+    return;
+  }
+  if (!has_light(o) && o.tables) {
+    refuse({"--size", "--levels", "--mapping", "--method", "--samples", "--sheen", "--irradiance", "--irradiance-size",
+            "--sh-order", "--window", "--env-rotation", "--env-intensity", "--proof", "--error", "--axes"},
+           "there is no environment");
+  }
+  using ibl::IrradianceMethod;
+  using ibl::Method;
+  const Method method = o.bake.specular.method;
+  if (method != Method::fis && method != Method::montecarlo && o.bake.irradiance_method == IrradianceMethod::exact) {
+    refuse({"--samples"}, "only for --method fis or montecarlo and --irradiance riemann or montecarlo");
+  }
+  if (!o.tables) refuse({"--table-size"}, "only with --tables");
+  if (o.scene.empty()) refuse({"--spp"}, "only with --from-scene");
+  if (!o.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
+  if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");
+}
+
 void check_paths(const BakeOptions& o) {
   std::error_code code;
   if (fs::exists(o.output, code) && !fs::is_directory(o.output, code)) throw Error("is not a folder", o.output);
   check_writable(fs::is_directory(o.output, code) ? fs::path(o.output) / "bake.json" : fs::path(o.output));
   if (o.report.empty()) return;
   check_writable(o.report);
-  if (fs::equivalent(o.report, parse_image_name(o.environment).path, code))
-    throw Error("is an input of this bake", o.report);
+}
+
+/// The files that it is made of.
+Inputs inputs_of(const BakeOptions& o) {
+  Inputs inputs;
+  inputs.add_environment(o.environment);
+  if (!o.scene.empty()) {
+    inputs.add(o.scene, "the scene " + o.scene);
+    add_scene_files({o.scene}, inputs);
+  }
+  return inputs;
 }
 
 /// What the engine expects, where nothing else is asked for.
@@ -392,29 +435,24 @@ void run_diff(const BakeOptions& o) {
   print(o.json ? diff_json(levels) : diff_text(levels));
 }
 
-void run_bake(BakeOptions& o) {
-  if (!o.compared.empty()) return run_diff(o);
-  if (o.profile != nullptr) follow_profile(*o.profile, o);
-  check_usage(o);
-  check_paths(o);
-  const ThreadLimit threads(o.threads);
-  ProgressLine progress(o.quiet);
+/// All of the work, up to whole files in their place. Throws Interrupted before any is.
+void make_bake(BakeOptions& o, const Inputs& inputs, ProgressLine& progress, BakeResult& result) {
+  const StopScope stop(&Interrupt::requested());
   o.bake.irradiance_samples = o.bake.specular.samples;
   o.bake.specular.fis_size = o.bake.size;
   const std::string& from = o.scene.empty() ? o.environment : o.scene;
-  BakeResult result;
   result.name = !has_light(o) ? "tables" : is_built_in_environment(from) ? from : fs::path(from).filename().string();
   result.settings = o.bake;
   result.format = o.format;
   result.profile = o.profile;
   if (has_light(o)) {
     progress.phase((o.scene.empty() ? "loading " : "capturing ") + from);
-    const Light light = load_light(o, result.warnings);
+    const Light light = load_light(o, progress, result.warnings);
     const ibl::Source& source = light.source;
     for (const Diagnostic& warning : result.warnings) progress.warn(warning);
     check_memory(o, source);
     const auto start = std::chrono::steady_clock::now();
-    result.bake = ibl::bake(source, o.bake, [&](const std::string& what) { progress.phase(what); });
+    result.bake = ibl::bake(source, o.bake, [&](const ibl::BakeProgress& p) { progress.update(p.fraction, p.what); });
     result.bake_s = since(start);
     if (light.faces) keep_texels(*light.faces, *result.bake);
     if (light.is_panorama) result.panorama = source.map;
@@ -429,8 +467,27 @@ void run_bake(BakeOptions& o) {
   }
   progress.phase("writing");
   const std::size_t told = result.warnings.size();
-  write_bake(o.output, result);
+  write_bake(o.output, inputs, o.report, result);
   for (std::size_t i = told; i < result.warnings.size(); ++i) progress.warn(result.warnings[i]);
+}
+
+void run_bake(BakeOptions& o) {
+  if (!o.compared.empty()) return run_diff(o);
+  if (o.profile != nullptr) follow_profile(*o.profile, o);
+  check_usage(o);
+  check_paths(o);
+  const Inputs inputs = inputs_of(o);
+  if (!o.report.empty()) inputs.refuse(o.report);
+  const ThreadLimit threads(o.threads);
+  ProgressLine progress(o.quiet);
+  const Interrupt interrupt;
+  BakeResult result;
+  try {
+    make_bake(o, inputs, progress, result);
+  } catch (const Interrupted&) {
+    throw Interrupted("the bake is not done, and no file of it is written");
+  }
+  progress.clear();
   if (!o.report.empty()) write_file(o.report, bake_html(result));
   print(o.json ? bake_json(result) : bake_text(result));
 }
@@ -462,6 +519,7 @@ Verb add_bake(CLI::App& app) {
     options->has_levels = verb->count("--levels") > 0;
     options->has_mapping = verb->count("--mapping") > 0;
     options->has_format = verb->count("--format") > 0;
+    check_combinations(*verb, *options);
     run_bake(*options);
   };
 }

@@ -245,8 +245,8 @@ Examples:
   candela render city.gltf -o city.jpg --size 3840x2160 --time 10min --stats city.json
 
 A long render refreshes its output files every few seconds. Ctrl-C stops early and keeps the picture with the samples
-it has (exit code 0); a second Ctrl-C ends at once.
-Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage.)";
+or frames it has (exit code 0; 130 where pictures of a set are missing); a second Ctrl-C ends at once.
+Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work left.)";
 }
 
 /// Several scenes, or one into a folder.
@@ -269,7 +269,10 @@ void check_outputs(RenderOptions& o) {
   check_batch(o);
   if (o.is_batch) return;
   if (o.turntable && o.sequence) throw UsageError("--sequence: not together with --turntable");
-  if (o.outputs.empty()) o.outputs.push_back(default_stem(o.scene) + (o.has_many_pictures() ? "-%03d.png" : ".png"));
+  if (o.outputs.empty()) {
+    o.has_default_name = true;
+    o.outputs.push_back(default_output(o, 1));
+  }
   for (const std::string& output : o.outputs) {
     if (o.has_many_pictures() && !is_frame_pattern(output)) {
       throw UsageError("--output: " + output + " has no place for the number of a picture: NAME%03d.png");
@@ -308,14 +311,34 @@ void check_engine(const CLI::App& verb, const RenderOptions& o) {
     refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao", "--soft-shadows", "--light-radius", "--ambient",
             "--probes"},
            "only for --engine raster");
+    return;
+  }
+  if (shows_numbers(o.quantity)) {
+    const std::string why = "--view shows numbers, which are left as they are";
+    refuse({"--exposure", "--tonemap", "--bloom"}, why);
+    if (raster::is_of_surface(o.quantity)) refuse({"--msaa"}, why);
+  }
+  if (o.probes > 0) refuse({"--ambient"}, "without effect on light from --probes");
+  if (o.f_number && o.samples.value_or(2) == 1) {
+    throw UsageError("--f-number: of one frame everything is sharp: --spp 2 or more");
   }
 }
 
 }  // namespace
 
+bool shows_numbers(raster::Quantity quantity) {
+  return raster::is_of_surface(quantity) || quantity == raster::Quantity::luminance ||
+         quantity == raster::Quantity::non_finite;
+}
+
 std::string default_stem(const std::string& scene) {
   const std::string name = scene.starts_with("demo:") ? scene.substr(5) : fs::path(scene).stem().string();
   return name.empty() ? "picture" : name;
+}
+
+std::string default_output(const RenderOptions& o, int attempt) {
+  const std::string stem = default_stem(o.scene) + (attempt > 1 ? fmt::format("-{}", attempt) : "");
+  return o.has_many_pictures() ? literal_in_pattern(stem) + "-%03d.png" : stem + ".png";
 }
 
 CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
@@ -342,7 +365,7 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   check_engine(verb, o);
   constexpr int kDefaultSamples = 128;
   constexpr int kBlurFrames = 32;
-  const int default_frames = o.shutter_s > 0.0 ? kBlurFrames : 1;
+  const int default_frames = o.shutter_s > 0.0 || o.f_number ? kBlurFrames : 1;
   const bool open_ended = o.settings.time_limit_s || o.settings.noise;
   o.settings.samples = o.samples.value_or(o.engine == Engine::raster ? default_frames
                                           : open_ended               ? kOpenEndedSamples

@@ -13,7 +13,7 @@
 #include "candela/candela.h"
 #include "cli/option.h"
 #include "cli/output.h"
-#include "cli/render_options.h"
+#include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "gl/window.h"
@@ -121,7 +121,10 @@ View Viewer::view() const {
 void Viewer::save() {
   Film film;
   film.beauty = renderer_->read();
-  const fs::path path = default_stem(options_.scene) + ".png";
+  Inputs inputs;
+  inputs.add(asset_.files());
+  inputs.add_environment(options_.environment.value_or(""));
+  const fs::path path = free_name({}, default_stem(options_.scene), inputs);
   write_film(path, film, develop_);
   std::cerr << path.string() << '\n';
 }

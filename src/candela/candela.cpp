@@ -37,6 +37,10 @@ Scene Asset::scene(const std::optional<Pose>& pose) {
 
 bool Asset::is_animated() const { return file_ != nullptr && !file_->info().animations.empty(); }
 
+std::vector<io::ReferencedFile> Asset::files() const {
+  return file_ != nullptr ? file_->info().files : std::vector<io::ReferencedFile>();
+}
+
 double Asset::duration_s(const std::string& animation) const {
   double longest = 0.0;
   if (file_ == nullptr) return longest;
@@ -107,7 +111,8 @@ std::vector<vec3> spread(const Box3& bounds, int count) {
 
 }  // namespace
 
-std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples) {
+std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples,
+                                       const path::Callbacks& callbacks) {
   constexpr int kSize = 64;
   if (count <= 0) return {};
   const Box3 bounds = subject_bounds(scene);
@@ -116,7 +121,16 @@ std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& en
   settings.sees_lamps = false;
   std::vector<raster::Probe> probes;
   for (const vec3& position : spread(bounds, count)) {
-    const Cubemap seen = path::capture_environment(scene, environment, position, kSize, settings);
+    path::Callbacks of_probe = callbacks;
+    of_probe.progress = [&](path::Progress p) {
+      p.fraction = (static_cast<double>(probes.size()) + p.fraction) / count;
+      p.remaining_s.reset();
+      if (callbacks.progress) callbacks.progress(p);
+    };
+    path::Statistics statistics;
+    const Cubemap seen =
+        path::capture_environment(scene, environment, position, kSize, settings, &statistics, of_probe);
+    if (statistics.interrupted) throw Interrupted("while probes were traced: no picture");
     probes.push_back({position, bounds, raster::bake_light(seen.levels[0], raster::uses_sheen(scene))});
   }
   return probes;

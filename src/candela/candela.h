@@ -41,6 +41,8 @@ class Asset {
   /// Seconds that the animations of that name last, as Pose::animation names them; 0 where nothing moves.
   double duration_s(const std::string& animation) const;
   bool is_animated() const;
+  /// What it is read from: the file and all that it names; none of a built-in scene.
+  std::vector<io::ReferencedFile> files() const;
 
  private:
   std::string name_;
@@ -73,7 +75,9 @@ using path::render;
 
 /// Light as it arrives at `count` places spread over a scene, path traced with `samples` per texel; lamps and suns are
 /// left out, which the rasterizer draws as lights of their own. For raster::Session::set_probes.
-std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples);
+/// After a stop it throws Interrupted: light from half the sides would be wrong.
+std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples,
+                                       const path::Callbacks& callbacks = {});
 
 /// "0.1.0"
 const char* version();

@@ -21,6 +21,10 @@ inline constexpr int kMaxImageSize = 32768;
 inline constexpr std::uint64_t kMaxTextureBytes = std::uint64_t{1} << 30;
 inline constexpr std::uint64_t kMaxImageBytes = std::uint64_t{1} << 31;
 
+/// Throws Error for a texture that is larger than the above, of `pixel_bytes` per pixel once it is decoded.
+void check_texture_size(std::uint64_t width, std::uint64_t height, std::uint64_t pixel_bytes, const std::string& where);
+
+/// Both throw Error where decoding would for the size's sake.
 ivec2 png_size(std::span<const std::byte> bytes, const std::string& where);
 ivec2 jpeg_size(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_png(std::span<const std::byte> bytes, const std::string& where);

@@ -242,6 +242,12 @@ std::array<std::uint8_t, 4> rgbm_texel(vec3 color, const Rgbm& rgbm, EncodingLos
 
 }  // namespace
 
+std::vector<fs::path> files_of_environment(const fs::path& path) {
+  if (find_cube_source(path) != CubeSource::six_files) return {path};
+  const SixPaths six = find_six(path);
+  return {six.begin(), six.end()};
+}
+
 CubeSource find_cube_source(const fs::path& path) {
   std::error_code code;
   try {

@@ -31,6 +31,9 @@ inline bool is_cubemap_file(const std::filesystem::path& path) { return find_cub
 /// front back, alone or at the end of a name. Throws Error.
 Cubemap read_cubemap(const std::filesystem::path& path, std::optional<CubeAxes> axes = {});
 
+/// The files that an environment is read from: the six of a folder or a pattern, else `path` itself. Never throws.
+std::vector<std::filesystem::path> files_of_environment(const std::filesystem::path& path);
+
 /// Light from everywhere, as a file has it, in the axes of the world: either of the first two is empty.
 struct EnvironmentFile {
   Cubemap cube;

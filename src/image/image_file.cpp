@@ -52,6 +52,15 @@ Image linear_image(const TextureImage& texture) {
 
 }  // namespace
 
+void codec::check_texture_size(std::uint64_t width, std::uint64_t height, std::uint64_t pixel_bytes,
+                               const std::string& where) {
+  const std::string size = "image of " + std::to_string(width) + " x " + std::to_string(height) + " is too large: ";
+  if (width > kMaxTextureSize || height > kMaxTextureSize)
+    throw Error(size + "a side has at most " + std::to_string(kMaxTextureSize) + " pixels", where);
+  if (width * height * pixel_bytes > kMaxTextureBytes)
+    throw Error(size + "it would take more than " + std::to_string(kMaxTextureBytes >> 20) + " MiB", where);
+}
+
 const char* format_name(ImageFormat format) {
   switch (format) {
     case ImageFormat::png:

@@ -42,6 +42,7 @@ void check(tjhandle handle, int result, const std::string& where) {
   if (result == 0) return;
   const std::string message = tjGetErrorStr2(handle);
   if (tjGetErrorCode(handle) == TJERR_WARNING && message.find("extraneous bytes") != std::string::npos) return;
+  if (message.find("image dimension") != std::string::npos) throw Error("image is too large: " + message, where);
   throw Error("damaged JPEG: " + message, where);
 }
 
@@ -51,9 +52,8 @@ JpegHeader read_header(tjhandle handle, std::span<const std::byte> bytes, const 
   const int result = tjDecompressHeader3(handle, jpeg_data(bytes), static_cast<unsigned long>(bytes.size()),
                                          &header.width, &header.height, &subsampling, &header.colorspace);
   check(handle, result, where);
-  if (header.width > codec::kMaxTextureSize || header.height > codec::kMaxTextureSize)
-    throw Error("image of " + std::to_string(header.width) + " x " + std::to_string(header.height) + " is too large",
-                where);
+  codec::check_texture_size(static_cast<std::uint64_t>(header.width), static_cast<std::uint64_t>(header.height), 4,
+                            where);
   return header;
 }
 

@@ -16,6 +16,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "io/gltf_animation.h"
+#include "io/gltf_files.h"
 #include "io/gltf_lights.h"
 #include "io/gltf_material.h"
 #include "io/gltf_mesh.h"
@@ -443,7 +444,9 @@ struct GltfFile::Parts {
         document(bytes, std::move(label), diagnostics),
         uris(base_folder),
         buffers(document, uris),
-        info(read_info(document.root(), bytes.size())) {}
+        info(read_info(document.root(), bytes.size())) {
+    info.files = referenced_files(document.json(), uris);
+  }
 };
 
 GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, std::string label,
@@ -456,6 +459,8 @@ GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, st
 GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info)
     : GltfFile(read_file(path), folder_of(path), path.string(), diagnostics, std::move(options), info) {
   parts_->scene_name = path.stem().string();
+  parts_->info.files.insert(parts_->info.files.begin(), {path, ""});
+  if (info) info->files = parts_->info.files;
 }
 
 GltfFile::~GltfFile() = default;

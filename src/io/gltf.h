@@ -38,6 +38,12 @@ struct AnimationInfo {
   int channels = 0;
 };
 
+/// A file that a scene is made of.
+struct ReferencedFile {
+  std::filesystem::path path;
+  std::string place;  ///< the JSON pointer of what names it, after a #; empty of the .gltf or .glb itself
+};
+
 /// What a file says about itself and the scene does not keep.
 struct FileInfo {
   std::string generator;
@@ -51,7 +57,12 @@ struct FileInfo {
   std::vector<AnimationInfo> animations;
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself
+  /// All that it names, whether the scene needs them or not, whether they are there or not; first the file itself.
+  std::vector<ReferencedFile> files;
 };
+
+/// FileInfo::files without reading more than the document. Throws Error where it is none.
+std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path);
 
 /// Loads a .gltf or .glb. Every number is checked before it is used; on bad input throws Error whose `where` is the
 /// file and, where there is one, the JSON pointer. An unknown required extension is an Error that names it; unknown

@@ -197,6 +197,14 @@ GltfDocument::~GltfDocument() = default;
 
 JsonView GltfDocument::root() const { return JsonView(*json_, file_); }
 
+std::vector<fs::path> UriReader::files(const std::string& uri) const {
+  if (base_folder_.empty() || uri.empty() || uri.find('\0') != std::string::npos || has_scheme(uri)) return {};
+  const std::string decoded = percent_decoded(uri);
+  if (decoded.find('\0') != std::string::npos || fs::path(decoded).is_absolute()) return {};
+  if (decoded == uri) return {base_folder_ / uri};
+  return {base_folder_ / decoded, base_folder_ / uri};
+}
+
 std::vector<std::byte> UriReader::read(const JsonView& uri) const {
   const std::string& text = uri.string();
   if (text.starts_with("data:")) return read_data_uri(uri, text);

@@ -23,6 +23,7 @@ class GltfDocument {
   GltfDocument& operator=(const GltfDocument&) = delete;
 
   JsonView root() const;
+  const nlohmann::json& json() const { return *json_; }
   std::span<const std::byte> binary_chunk() const { return binary_chunk_; }
 
  private:
@@ -36,6 +37,10 @@ class UriReader {
  public:
   /// An empty folder refuses every file.
   explicit UriReader(std::filesystem::path base_folder) : base_folder_(std::move(base_folder)) {}
+
+  /// The files that a URI may stand for: escapes decoded, and, where it has any, as it is written. None of data URIs,
+  /// absolute names and other schemes.
+  std::vector<std::filesystem::path> files(const std::string& uri) const;
 
   /// Thread-safe. Throws Error at `uri` for absolute paths, other schemes, broken data URIs and unreadable files.
   std::vector<std::byte> read(const JsonView& uri) const;

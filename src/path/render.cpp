@@ -61,6 +61,7 @@ class Job {
                     std::uint64_t& samples, std::uint64_t& non_finite);
   void find_start();
   void find_converged();
+  NoiseReached noise_reached() const;
   bool run_pass(std::uint32_t first_sample, std::uint32_t last_sample, const Callbacks& callbacks);
   bool must_stop(const Callbacks& callbacks) const;
   void report(const Callbacks& callbacks);
@@ -194,6 +195,21 @@ void Job::find_converged() {
   }
 }
 
+NoiseReached Job::noise_reached() const {
+  const float reference = accumulator_.mean_luminance();
+  NoiseReached reached;
+  std::size_t above = 0;
+  for (int y = 0; y < settings_.height; ++y) {
+    for (int x = 0; x < settings_.width; ++x) {
+      const float error = accumulator_.relative_error(x, y, reference);
+      reached.worst = std::max(reached.worst, error);
+      above += error < *settings_.noise ? 0 : 1;
+    }
+  }
+  reached.share_above = static_cast<double>(above) / static_cast<double>(pixel_count());
+  return reached;
+}
+
 void Job::report(const Callbacks& callbacks) {
   if (callbacks.progress) {
     Progress p;
@@ -252,6 +268,7 @@ void Job::run(const Callbacks& callbacks, Statistics& statistics) {
     const std::uint32_t next = std::min(limit, done == 0 ? 1U : done < kPassSamples ? done * 4U : done + kPassSamples);
     if (!run_pass(done, next, callbacks)) {
       statistics.interrupted = callbacks.stop != nullptr && callbacks.stop->load();
+      statistics.timed_out = !statistics.interrupted;
       break;
     }
     done = next;
@@ -265,6 +282,7 @@ void Job::run(const Callbacks& callbacks, Statistics& statistics) {
     report(callbacks);
   }
   statistics.render_s = seconds_since(start_);
+  if (settings_.noise) statistics.noise = noise_reached();
   statistics.samples = totals_.samples;
   statistics.camera_rays = totals_.camera;
   statistics.bounce_rays = totals_.bounce;

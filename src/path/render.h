@@ -50,6 +50,12 @@ struct Progress {
   std::optional<double> remaining_s;
 };
 
+/// How near a picture came to Settings::noise.
+struct NoiseReached {
+  double share_above = 0.0;  ///< of the pixels whose estimated relative error is above it
+  float worst = 0.0f;        ///< error of any pixel; infinite where a pixel has one sample
+};
+
 struct Statistics {
   double build_s = 0.0;  ///< acceleration structure and light tables
   double render_s = 0.0;
@@ -62,6 +68,8 @@ struct Statistics {
   std::uint64_t instances = 0;
   double mean_samples_per_pixel = 0.0;
   bool interrupted = false;  ///< stopped by `Callbacks::stop`
+  bool timed_out = false;    ///< stopped by `Settings::time_limit_s`
+  std::optional<NoiseReached> noise;  ///< where a target was set
 };
 
 struct Callbacks {

@@ -19,6 +19,7 @@ namespace {
 
 class Stopwatch {
  public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - last_).count(); }
   /// Seconds since the last call.
   double lap() {
     const auto now = Clock::now();
@@ -131,11 +132,37 @@ void show_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
   }
 }
 
-/// The mean of a view's frames.
+/// Tells how far the work is, and knows when it has to end.
+class Watcher {
+ public:
+  Watcher(const Callbacks& callbacks, std::size_t pictures, int frames)
+      : callbacks_(callbacks), pictures_(pictures), frames_(frames) {}
+
+  bool must_stop() const { return callbacks_.stop != nullptr && callbacks_.stop->load(); }
+
+  void tell(std::size_t picture, int frame) {
+    constexpr double kTellEvery = 0.1;  // seconds
+    const double now = since_start_.seconds();
+    if (!callbacks_.progress || now < next_s_) return;
+    next_s_ = now + kTellEvery;
+    const double done = static_cast<double>(picture) + static_cast<double>(frame) / frames_;
+    callbacks_.progress({picture, pictures_, frame, done / static_cast<double>(pictures_), now});
+  }
+
+ private:
+  const Callbacks& callbacks_;
+  std::size_t pictures_;
+  int frames_;
+  Stopwatch since_start_;
+  double next_s_ = 0.0;
+};
+
+/// The mean of a view's frames, or of those that are drawn when it has to end.
 Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const MomentOf& moment,
-               const Settings& settings, Statistics& s) {
+               const Settings& settings, Watcher& watcher, Statistics& s) {
   Film film;
   film.beauty = Image(settings.width, settings.height, 4);
+  int drawn = 0;
   for (int frame = 0; frame < settings.frames; ++frame) {
     const bool is_still = settings.frames > 1;
     const vec4 u = lattice_point(frame);
@@ -165,6 +192,16 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
         for (int c = 0; c < 4; ++c) film.beauty.pixels[i + static_cast<std::size_t>(c)] = judged[c];
       }
     }
+    watcher.tell(picture_index, ++drawn);
+    if (drawn < settings.frames && watcher.must_stop()) {
+      s.interrupted = true;
+      break;
+    }
+  }
+  s.frames += drawn;
+  if (drawn < settings.frames && settings.quantity != Quantity::non_finite) {
+    const float rest = static_cast<float>(settings.frames) / static_cast<float>(drawn);
+    for (float& v : film.beauty.pixels) v *= rest;
   }
   apply_vignetting(view, film.beauty);
   show_numbers(settings.quantity, renderer.scene().bounds(), film.beauty);
@@ -183,7 +220,8 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
 
 void Session::draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
                    const Settings& settings, Diagnostics& diagnostics,
-                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics, const MomentOf& moment) {
+                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics, const MomentOf& moment,
+                   const Callbacks& callbacks) {
   Statistics ignored;
   Statistics& s = statistics != nullptr ? *statistics : ignored;
   Stopwatch watch;
@@ -207,7 +245,8 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
   Renderer renderer(scene, environment, used, diagnostics);
   glFinish();
   s.upload_s = watch.lap();
-  for (std::size_t i = 0; i < views.size(); ++i) {
+  Watcher watcher(callbacks, views.size(), settings.frames);
+  for (std::size_t i = 0; i < views.size() && !s.interrupted; ++i) {
     watch.lap();
     renderer.begin(views[i]);
     glFinish();
@@ -222,23 +261,23 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
       renderer.set_probes(parts_->probes);
       watch.lap();
     }
-    Film film = draw_view(renderer, views[i], i, moment, settings, s);
+    Film film = draw_view(renderer, views[i], i, moment, settings, watcher, s);
     s.frame_s += watch.lap();
     take(i, std::move(film));
+    if (i + 1 < views.size() && watcher.must_stop()) s.interrupted = true;
   }
-  s.frames = settings.frames * static_cast<int>(views.size());
   s.programs = static_cast<int>(renderer.programs().count());
   s.triangles = renderer.scene().triangle_count();
   s.draws = renderer.scene().draws().size();
 }
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
-            Diagnostics& diagnostics, Statistics* statistics) {
+            Diagnostics& diagnostics, Statistics* statistics, const Callbacks& callbacks) {
   Film film;
   Session session;
   session.draw(
       scene, environment, {view}, settings, diagnostics, [&film](std::size_t, Film drawn) { film = std::move(drawn); },
-      statistics);
+      statistics, {}, callbacks);
   return film;
 }
 

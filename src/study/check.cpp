@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "study/check_parts.h"
 
 namespace candela::study {
@@ -34,13 +35,19 @@ std::string texture_label(const Scene& scene, int texture, const FileSurvey* sur
 }
 
 std::vector<Finding> check_asset(const CheckInput& input) {
+  const StopScope scope(input.stop);
   std::vector<Finding> findings;
   const std::vector<MaterialSurface> surfaces = material_surfaces(input.scene);
   check_file(input, findings);
+  StopScope::check();
   check_textures(input.scene, surfaces, findings);
+  StopScope::check();
   check_normal_maps(input.scene, surfaces, findings);
+  StopScope::check();
   check_surfaces(input.scene, surfaces, findings);
+  StopScope::check();
   check_volumes(input.scene, findings);
+  StopScope::check();
   check_lights(input.scene, findings);
   std::stable_sort(findings.begin(), findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
