@@ -237,7 +237,7 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
   for (std::size_t k = 0; k < scene.materials.size(); ++k) {
     const Material& m = scene.materials[k];
     GpuMaterial& gpu = materials_.emplace_back();
-    gpu.name = m.name;
+    gpu.name = m.name.empty() ? "material " + std::to_string(number_of(scene.materials, k)) : m.name;
     gpu.key = make_key(m, model);
     gpu.is_double_sided = m.double_sided;
     gpu.block = static_cast<GLintptr>(stride * k);
@@ -261,7 +261,7 @@ GLuint GpuScene::texture_for(const Scene& scene, const TextureSource& source, Di
   if (!is_new) return entry->second;
   const TextureImage& pixels = *scene.images[static_cast<std::size_t>(source.image)];
   glBindTexture(GL_TEXTURE_2D, entry->second);
-  const std::string where = "image " + std::to_string(source.image);
+  const std::string where = "image " + std::to_string(image_number(scene, static_cast<std::size_t>(source.image)));
   int left_out = 0;
   if (pixels.bits == 16) {
     left_out = upload_words(pixels, source.is_srgb);
@@ -305,6 +305,10 @@ void GpuScene::add_draws(const Scene& scene) {
       Draw draw;
       draw.primitive = static_cast<int>(p);
       draw.node = static_cast<int>(n);
+      draw.number = number_of(scene.nodes, n);
+      if (node.color != vec4(1.0f)) {
+        materials_[static_cast<std::size_t>(primitives_[p].material)].key.has_colors = true;
+      }
       draw.part = p - first_primitive_[mesh];
       draw.is_mirrored = glm::determinant(mat3(node.world_from_node)) < 0.0f;
       const Box3& b = primitives_[p].bounds;
@@ -322,11 +326,12 @@ void GpuScene::add_draws(const Scene& scene) {
   std::stable_sort(draws_.begin(), draws_.end(), [](const Draw& a, const Draw& b) {
     return std::pair(a.primitive, a.is_mirrored) < std::pair(b.primitive, b.is_mirrored);
   });
-  std::vector<std::array<vec4, 3>> rows;
+  std::vector<std::array<vec4, 4>> rows;
   rows.reserve(draws_.size());
   for (const Draw& draw : draws_) {
-    const mat4 transposed = glm::transpose(scene.nodes[static_cast<std::size_t>(draw.node)].world_from_node);
-    rows.push_back({transposed[0], transposed[1], transposed[2]});
+    const Node& node = scene.nodes[static_cast<std::size_t>(draw.node)];
+    const mat4 transposed = glm::transpose(node.world_from_node);
+    rows.push_back({transposed[0], transposed[1], transposed[2], node.color});
   }
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(rows.size() * sizeof(rows[0])), rows.data(), GL_STATIC_DRAW);
@@ -356,8 +361,8 @@ void GpuScene::draw(std::size_t first, std::size_t count) const {
   const GpuPrimitive& p = primitives_[static_cast<std::size_t>(d.primitive)];
   glBindVertexArray(p.attributes);
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
-  for (GLuint row = 0; row < 3; ++row) {
-    attribute(5 + row, 4, first * sizeof(std::array<vec4, 3>) + row * sizeof(vec4), sizeof(std::array<vec4, 3>));
+  for (GLuint row = 0; row < 4; ++row) {
+    attribute(5 + row, 4, first * sizeof(std::array<vec4, 4>) + row * sizeof(vec4), sizeof(std::array<vec4, 4>));
     glVertexAttribDivisor(5 + row, 1);
   }
   glFrontFace(d.is_mirrored ? GL_CW : GL_CCW);

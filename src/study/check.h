@@ -42,6 +42,7 @@ struct CheckInput {
   std::vector<std::string> extensions_ignored = {};  ///< not supported
   std::vector<std::string> extensions_missing = {};  ///< required, but not supported
   std::span<const Diagnostic> warnings = {};         ///< of the loader
+  std::span<const Diagnostic> notes = {};            ///< of the loader
 };
 
 /// Judges surfaces, textures, bodies, lights and the file. The same scene gives the same findings in the same order,
