@@ -65,6 +65,9 @@ std::vector<Told> told(const Scene& scene, const FileSurvey* survey, std::vector
   for (Finding& f : findings) {
     std::string material = f.material < 0 ? "" : study::material_label(scene, f.material);
     std::string texture = f.texture < 0 ? "" : study::texture_label(scene, f.texture, survey);
+    // From here on people read it: their numbers are the file's.
+    if (f.material >= 0) f.material = number_of(scene.materials, static_cast<std::size_t>(f.material));
+    if (f.texture >= 0) f.texture = number_of(scene.textures, static_cast<std::size_t>(f.texture));
     result.push_back({std::move(f), std::move(material), std::move(texture)});
   }
   return result;
@@ -103,8 +106,6 @@ void add_variant(const std::string& name, const std::string& variant, Verdict& v
   for (const Told& t : verdict.findings) known.insert(key(t));
   for (Told& own : told(scene, nullptr, study::check_asset({.scene = scene}))) {
     if (known.contains(key(own))) continue;
-    // Its indices are those of another scene.
-    own.finding.material = own.finding.texture = -1;
     own.finding.subject += (own.finding.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
     verdict.findings.push_back(std::move(own));
   }
@@ -115,13 +116,14 @@ Verdict judge_file(const std::string& name) {
     Diagnostics diagnostics;
     io::FileInfo info;
     const Scene scene = io::load_gltf(name, diagnostics, {.refuse_unknown_required = false}, &info);
-    const FileSurvey survey = io::survey_gltf(name, {});
+    const FileSurvey survey = io::survey_gltf(name, {.decode_images = true});
     Verdict verdict = verdict_of(name, {.scene = scene,
                                         .survey = &survey,
                                         .extensions_used = info.extensions_used,
                                         .extensions_ignored = info.extensions_ignored,
                                         .extensions_missing = info.extensions_missing,
-                                        .warnings = diagnostics.warnings()});
+                                        .warnings = diagnostics.warnings(),
+                                        .notes = diagnostics.notes()});
     for (const std::string& variant : info.variants) add_variant(name, variant, verdict);
     std::stable_sort(verdict.findings.begin(), verdict.findings.end(),
                      [](const Told& a, const Told& b) { return a.finding.severity > b.finding.severity; });

@@ -44,10 +44,11 @@ struct Job {
   explicit Job(Asset opened) : asset(std::move(opened)) {}
 
   Asset asset;
-  bool is_moving = false;         ///< an animation is shown
-  std::vector<double> moments_s;  ///< of each picture, from the animation's start
-  bool has_own_camera = false;    ///< which may move
-  Scene scene;                    ///< of the first picture
+  bool is_moving = false;                  ///< an animation is shown
+  std::vector<double> moments_s;           ///< of each picture, from the animation's start
+  std::optional<std::size_t> camera_node;  ///< the scene's own camera that is looked through for want of another
+  bool has_own_camera = false;             ///< which may move
+  Scene scene;                             ///< of the first picture
   Environment environment;
   std::vector<View> views;
   DevelopSettings develop;
@@ -88,7 +89,27 @@ void check_memory(const RenderOptions& o) {
 
 std::string vec3_text(vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
 
-View choose_view(const RenderOptions& o, const Scene& scene, std::string& description) {
+/// Which camera of the scene is looked through where no option says it, and a word on cameras and framings that show
+/// nothing.
+std::optional<std::size_t> choose_camera(const RenderOptions& o, const Scene& scene, Diagnostics& diagnostics) {
+  const float aspect = static_cast<float>(o.size.x) / static_cast<float>(o.size.y);
+  std::optional<std::size_t> node;
+  const auto emptiness = find_emptiness(scene);
+  const bool is_empty = emptiness && world_bounds(scene).empty();
+  if (o.camera) {
+    if (!is_empty && !sees_something(scene, scene_camera(scene, *o.camera, aspect))) {
+      diagnostics.warn(fmt::format("the camera {} sees nothing of the scene", *o.camera), o.scene);
+    }
+  } else if (!o.eye && !o.orbit) {
+    node = default_camera(scene, aspect, &diagnostics);
+  }
+  const bool is_framed = !o.camera && !o.eye && !node;
+  if (emptiness && (is_empty || is_framed)) diagnostics.warn(emptiness->message, o.scene);
+  return node;
+}
+
+View choose_view(const RenderOptions& o, const Scene& scene, std::optional<std::size_t> camera_node,
+                 std::string& description) {
   const float aspect = static_cast<float>(o.size.x) / static_cast<float>(o.size.y);
   const float yfov = o.fov.value_or(PerspectiveCamera{}.yfov);
   if (o.eye) {
@@ -103,11 +124,12 @@ View choose_view(const RenderOptions& o, const Scene& scene, std::string& descri
     return frame_box(subject_bounds(scene), aspect, yfov, *o.orbit);
   }
   description = o.camera ? "camera " + *o.camera : "default";
-  View view = o.camera ? scene_camera(scene, *o.camera, aspect) : default_view(scene, aspect);
+  if (!o.camera && !camera_node) return frame_box(subject_bounds(scene), aspect, yfov);
+  View view =
+      o.camera ? scene_camera(scene, *o.camera, aspect) : scene_camera(scene, scene.nodes[*camera_node], aspect);
   if (!o.fov) return view;
   auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
   if (perspective == nullptr) throw Error("the scene's camera is orthographic and has no field of view", "--fov");
-  if (!has_camera(scene)) return frame_box(subject_bounds(scene), aspect, yfov);
   perspective->yfov = *o.fov;
   return view;
 }
@@ -201,7 +223,7 @@ Scene scene_at(const RenderOptions& o, Job& job, double moment_s) {
 View view_at(const RenderOptions& o, const Job& job, const Scene& scene, std::size_t index) {
   if (!job.has_own_camera) return job.views[std::min(index, job.views.size() - 1)];
   std::string description;
-  View view = choose_view(o, scene, description);
+  View view = choose_view(o, scene, job.camera_node, description);
   set_lens(o, scene, view);
   return view;
 }
@@ -230,9 +252,10 @@ void prepare(const RenderOptions& o, Shared& shared, Job& job, Diagnostics& diag
   job.environment = shared.environment(o.environment.value_or(default_environment(job.scene)), diagnostics);
   job.environment.rotation += o.environment_rotation;
   job.environment.intensity *= o.environment_intensity;
-  View view = choose_view(o, job.scene, job.camera);
+  job.camera_node = choose_camera(o, job.scene, diagnostics);
+  View view = choose_view(o, job.scene, job.camera_node, job.camera);
   set_lens(o, job.scene, view);
-  job.has_own_camera = has_camera(job.scene) && job.is_moving && !o.eye && !o.orbit && !o.turntable;
+  job.has_own_camera = (o.camera || job.camera_node) && job.is_moving && !o.turntable;
   job.views = all_around(view, o.target.value_or(subject_bounds(job.scene).center()), o.turntable.value_or(1));
   job.develop = default_develop(job.scene, job.environment);
   if (o.exposure) job.develop.exposure = *o.exposure;
@@ -245,7 +268,6 @@ void prepare(const RenderOptions& o, Shared& shared, Job& job, Diagnostics& diag
   }
   job.develop.background = o.background.color;
 
-  if (world_bounds(job.scene).empty()) diagnostics.warn("nothing in the scene has a mesh", o.scene);
   for (const fs::path output : o.outputs) {
     if (is_linear_format(output) && o.develop_given) {
       diagnostics.warn("--exposure, --tonemap and --bloom have no effect on linear radiance", output.string());

@@ -72,7 +72,8 @@ class Viewer {
   raster::Settings settings_;
   std::unique_ptr<raster::Renderer> renderer_;
   Orbit orbit_;
-  bool is_turned_ = false;  ///< by the user, away from the scene's own camera
+  std::optional<std::size_t> camera_;  ///< the node of the scene's own
+  bool is_turned_ = false;             ///< by the user, away from it
   bool is_playing_ = false;
   double moment_s_ = 0.0, last_s_ = 0.0;
   bool is_broken_ = false;  ///< the shaders do not compile; the last picture stays
@@ -105,6 +106,8 @@ Viewer::Viewer(const ViewOptions& o)
   if (raster::is_lit_from_far(environment_)) {
     renderer_->set_light(raster::bake_light(environment_, raster::uses_sheen(scene_), settings_.cache));
   }
+  const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
+  camera_ = default_camera(scene_, aspect, &diagnostics_);
   renderer_->begin(view());
   for (const Diagnostic& warning : diagnostics_.warnings()) std::cerr << "warning: " << warning.text() << '\n';
   is_playing_ = asset_.is_animated();
@@ -114,7 +117,7 @@ Viewer::Viewer(const ViewOptions& o)
 
 View Viewer::view() const {
   const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
-  if (!is_turned_ && has_camera(scene_)) return default_view(scene_, aspect);
+  if (!is_turned_ && camera_) return scene_camera(scene_, scene_.nodes[*camera_], aspect);
   return frame_box(bounds_, aspect, PerspectiveCamera{}.yfov, orbit_);
 }
 

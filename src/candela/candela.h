@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "scene/environment.h"
 #include "scene/scene.h"
 #include "scene/view.h"
+#include "scene/visibility.h"
 
 /// The library in three calls:
 ///
@@ -54,9 +56,13 @@ class Asset {
 /// Whether a camera stands somewhere in the scene: is held by a node.
 bool has_camera(const Scene& scene);
 
-/// The view a user would expect without saying more: the file's first camera, else the whole subject in three-quarter
-/// view.
-View default_view(const Scene& scene, float aspect);
+/// Which node's camera a user would expect to look through: the scene's first; none where there is none, or where it
+/// sees nothing although there is something to see, as when a file holds the view matrix in place of its inverse, which
+/// `diagnostics` then tells.
+std::optional<std::size_t> default_camera(const Scene& scene, float aspect, Diagnostics* diagnostics = nullptr);
+
+/// The view a user would expect without saying more: by default_camera, else the whole subject in three-quarter view.
+View default_view(const Scene& scene, float aspect, Diagnostics* diagnostics = nullptr);
 
 /// What the subject is framed by: world_bounds(), or a two metre cube about the origin when nothing has a mesh.
 Box3 subject_bounds(const Scene& scene);
@@ -64,7 +70,8 @@ Box3 subject_bounds(const Scene& scene);
 /// The light a scene wishes for, else "studio". A name for make_environment().
 std::string default_environment(const Scene& scene);
 
-/// The exposure a scene wishes for, else the one its environment is made for, else metered from the picture.
+/// The exposure a scene wishes for, else the one its environment is made for unless the scene's own lamps outshine it,
+/// else metered from the picture.
 DevelopSettings default_develop(const Scene& scene, const Environment& environment);
 /// The same under default_environment.
 DevelopSettings default_develop(const Scene& scene);

@@ -18,7 +18,8 @@ enum class Layer {
   normal,    ///< XYZ world space shading normal, unit or 0 where nothing was hit
   depth,     ///< metres along the ray from the camera (not its z), +inf where nothing was hit
   position,  ///< XYZ world space, metres
-  object_id  ///< 1 + node index of the first hit, 0 = background; of the pixel's centre-most sample, not averaged
+  object_id  ///< 1 + number of the node of the first hit, 0 = background; of the pixel's centre-most sample, not
+             ///< averaged
 };
 
 /// Names as on the command line and in EXR files: "albedo", "normal", "depth", "position", "id".

@@ -110,8 +110,8 @@ std::vector<std::uint32_t> decode_whole(std::span<const std::byte> bytes, std::s
 
 }  // namespace
 
-AccessorReader::AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes)
-    : root_(root), buffers_(buffers), file_bytes_(file_bytes) {}
+AccessorReader::AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes, Warnings& warnings)
+    : root_(root), buffers_(buffers), file_bytes_(file_bytes), warnings_(warnings) {}
 
 void AccessorReader::charge(std::uint64_t bytes, const JsonView& cause) {
   charged_ += bytes;
@@ -139,7 +139,11 @@ Accessor AccessorReader::open(const JsonView& reference, std::initializer_list<c
   result.normalized = json.boolean_or("normalized", false);
   if (result.normalized && result.component_type == kU32) throw json.error("32-bit integers cannot be normalized");
 
-  if (const auto view_index = json.find("bufferView")) {
+  const auto view_index = json.find("bufferView");
+  const auto undefined = view_index ? buffers_.find_undefined(*view_index) : std::nullopt;
+  if (undefined) {
+    warnings_.warn("the buffer has neither a uri nor data in the file; what needs it is read as zeros", *undefined);
+  } else if (view_index) {
     const BufferView view = buffers_.view(*view_index);
     const std::uint64_t offset = json.whole_or("byteOffset", 0);
     result.stride = view.stride == 0 ? size : view.stride;

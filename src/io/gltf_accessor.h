@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/gltf_document.h"
+#include "io/gltf_warnings.h"
 #include "math/types.h"
 
 namespace candela::io {
@@ -31,7 +32,7 @@ using Selection = std::optional<std::span<const std::uint32_t>>;
 /// cannot make the loader allocate without bound. Not thread-safe.
 class AccessorReader {
  public:
-  AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes);
+  AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes, Warnings& warnings);
 
   /// The accessor that the JSON number `reference` points at. `types`: what may stand there, e.g. {"VEC3", "VEC4"}.
   Accessor open(const JsonView& reference, std::initializer_list<const char*> types);
@@ -60,6 +61,7 @@ class AccessorReader {
   JsonView root_;
   GltfBuffers& buffers_;
   std::uint64_t file_bytes_;
+  Warnings& warnings_;
   std::uint64_t charged_ = 0;
 };
 

@@ -2,7 +2,10 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,7 +19,7 @@ namespace candela::io {
 class GltfDocument {
  public:
   /// Throws Error for anything that is no glTF 2.0 container or no JSON (with line and column). `file` names it in
-  /// errors.
+  /// errors. Of a key that an object has twice the last counts, with a warning.
   GltfDocument(std::span<const std::byte> bytes, std::string file, Diagnostics& diagnostics);
   ~GltfDocument();
   GltfDocument(const GltfDocument&) = delete;
@@ -25,11 +28,16 @@ class GltfDocument {
   JsonView root() const;
   const nlohmann::json& json() const { return *json_; }
   std::span<const std::byte> binary_chunk() const { return binary_chunk_; }
+  bool is_glb() const { return is_glb_; }
+
+  /// Below which members of the root each extension stands ("materials", "asset"…); "extensions" is the root's own.
+  std::map<std::string, std::set<std::string>> extension_places() const;
 
  private:
   std::string file_;
   std::unique_ptr<nlohmann::json> json_;
   std::span<const std::byte> binary_chunk_;
+  bool is_glb_ = false;
 };
 
 /// Bytes behind URIs: data URIs and files relative to the folder of the glTF.
@@ -62,6 +70,10 @@ class GltfBuffers {
   /// The buffer view that the JSON number `reference` points at, checked to lie inside its buffer.
   BufferView view(const JsonView& reference);
 
+  /// The buffer of a view, where it has no uri and is no GLB's binary chunk either: glTF 2.0 §5.10.1 leaves it to
+  /// others to say what it holds.
+  std::optional<JsonView> find_undefined(const JsonView& reference) const;
+
   /// Bytes read so far from outside the document.
   std::uint64_t loaded_bytes() const { return loaded_bytes_; }
 
@@ -70,6 +82,7 @@ class GltfBuffers {
 
   JsonView root_;
   std::span<const std::byte> binary_chunk_;
+  bool is_glb_;
   const UriReader& uris_;
   std::vector<std::vector<std::byte>> loaded_;
   std::uint64_t loaded_bytes_ = 0;

@@ -269,9 +269,10 @@ std::optional<std::size_t> material_of_primitive(const JsonView& primitive, std:
   return primitive.index_of("material", material_count, "material");
 }
 
-Mesh MeshReader::read(const JsonView& json, const MeshPose& pose) {
+Mesh MeshReader::read(const JsonView& json, int file_index, const MeshPose& pose) {
   Mesh mesh;
   mesh.name = json.string_or("name");
+  mesh.file_index = file_index;
   const JsonView primitives = json.at("primitives");
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     if (auto primitive = read_primitive(primitives[i], pose)) mesh.primitives.push_back(*std::move(primitive));

@@ -45,7 +45,7 @@ class MeshReader {
         default_material_(default_material),
         variant_(variant) {}
 
-  Mesh read(const JsonView& json, const MeshPose& pose);
+  Mesh read(const JsonView& json, int file_index, const MeshPose& pose);
 
   /// Says once how many primitives were points or lines.
   void report_ignored(const JsonView& root);

@@ -183,7 +183,14 @@ std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& m
   return mesh;
 }
 
-Placement make_placement(const Node& node, int index) {
+/// Multiplies the opacity of a mesh.
+void fade(MeshData& mesh, float opacity) {
+  if (opacity == 1.0f) return;
+  if (mesh.colors.empty()) mesh.colors.assign(mesh.vertices.size(), vec4(1.0f));
+  for (vec4& color : mesh.colors) color.w *= opacity;
+}
+
+Placement make_placement(const Node& node, int index, int number) {
   Placement placement;
   placement.world_from_object = node.world_from_node;
   const mat3 linear(node.world_from_node);
@@ -194,6 +201,8 @@ Placement make_placement(const Node& node, int index) {
   placement.world_from_normal = determinant < 0.0f ? -cofactor : cofactor;
   placement.is_mirrored = determinant < 0.0f;
   placement.node = index;
+  placement.number = number;
+  placement.color = vec3(node.color);
   return placement;
 }
 
@@ -323,29 +332,32 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     has_blends_ = has_blends_ || material.alpha_mode == AlphaMode::blend;
   }
 
-  std::map<int, int> uses;
+  // Colours differ from node to node; opacity, which rays ask for without knowing the node, is the mesh's.
+  const auto key_of = [](const Node& node) { return std::pair(node.mesh, node.color.w); };
+  std::map<std::pair<int, float>, int> uses;
   for (const Node& node : scene.nodes) {
-    if (node.mesh >= 0) ++uses[node.mesh];
+    if (node.mesh >= 0) ++uses[key_of(node)];
   }
 
   struct Shared {
     SceneHandle scene;
     std::vector<const MeshData*> meshes;
   };
-  std::map<int, Shared> shared;
+  std::map<std::pair<int, float>, Shared> shared;
   unsigned next_geometry = 0;
 
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
     if (node.mesh < 0) continue;
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(node.mesh)];
-    Placement placement = make_placement(node, static_cast<int>(i));
+    Placement placement = make_placement(node, static_cast<int>(i), number_of(scene.nodes, i));
 
     // ----- placed once, or flattened: straight into the top level, in world space
-    if (uses[node.mesh] == 1 || !can_instance(node.world_from_node)) {
+    if (uses[key_of(node)] == 1 || !can_instance(node.world_from_node)) {
       for (const Primitive& primitive : mesh.primitives) {
         if (primitive.triangles.empty()) continue;
         meshes_.push_back(make_mesh(primitive, materials_[static_cast<std::size_t>(primitive.material)], &placement));
+        fade(*meshes_.back(), node.color.w);
         Placement in_world = placement;
         in_world.mesh = meshes_.back().get();
         in_world.is_world = true;
@@ -358,13 +370,14 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     }
 
     // ----- placed often: a tree of its own, instanced
-    Shared& tree = shared[node.mesh];
+    Shared& tree = shared[key_of(node)];
     if (!tree.scene) {
       tree.scene.reset(rtcNewScene(impl_->device.get()));
       rtcSetSceneFlags(tree.scene.get(), kFilterByQuery);
       for (const Primitive& primitive : mesh.primitives) {
         if (primitive.triangles.empty()) continue;
         meshes_.push_back(make_mesh(primitive, materials_[static_cast<std::size_t>(primitive.material)], nullptr));
+        fade(*meshes_.back(), node.color.w);
         impl_->attach(tree.scene.get(), make_triangles(impl_->device.get(), *meshes_.back()),
                       static_cast<unsigned>(tree.meshes.size()));
         tree.meshes.push_back(meshes_.back().get());

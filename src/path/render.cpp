@@ -313,7 +313,7 @@ void Job::trace_centre_layers(Film& film) const {
         if (position) film.layers[Layer::position].set_rgb(x, y, p);
         if (id) {
           film.layers[Layer::object_id].at(x, y)[0] =
-              hit ? static_cast<float>(geometry_.placement(hit.placement).node + 1) : 0.0f;
+              hit ? static_cast<float>(geometry_.placement(hit.placement).number + 1) : 0.0f;
         }
       }
     }

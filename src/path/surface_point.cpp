@@ -276,7 +276,7 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   ns = keep_reflection_outside(ns, ng, wo);
 
   // ----- the material
-  vec3 base_color = m.base_color * vec3(mesh.color(t, b));
+  vec3 base_color = m.base_color * placement.color * vec3(mesh.color(t, b));
   if (material.base_color) base_color *= vec3(material.base_color.read(at.base_color));
   if (m.unlit) {
     point.frame = frame_from_normal(ns);

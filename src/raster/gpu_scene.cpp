@@ -237,7 +237,7 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
   for (std::size_t k = 0; k < scene.materials.size(); ++k) {
     const Material& m = scene.materials[k];
     GpuMaterial& gpu = materials_.emplace_back();
-    gpu.name = m.name;
+    gpu.name = m.name.empty() ? "material " + std::to_string(number_of(scene.materials, k)) : m.name;
     gpu.key = make_key(m, model);
     gpu.is_double_sided = m.double_sided;
     gpu.block = static_cast<GLintptr>(stride * k);
@@ -261,7 +261,7 @@ GLuint GpuScene::texture_for(const Scene& scene, const TextureSource& source, Di
   if (!is_new) return entry->second;
   const TextureImage& pixels = *scene.images[static_cast<std::size_t>(source.image)];
   glBindTexture(GL_TEXTURE_2D, entry->second);
-  const std::string where = "image " + std::to_string(source.image);
+  const std::string where = "image " + std::to_string(image_number(scene, static_cast<std::size_t>(source.image)));
   int left_out = 0;
   if (pixels.bits == 16) {
     left_out = upload_words(pixels, source.is_srgb);
@@ -305,6 +305,10 @@ void GpuScene::add_draws(const Scene& scene) {
       Draw draw;
       draw.primitive = static_cast<int>(p);
       draw.node = static_cast<int>(n);
+      draw.number = number_of(scene.nodes, n);
+      if (node.color != vec4(1.0f)) {
+        materials_[static_cast<std::size_t>(primitives_[p].material)].key.has_colors = true;
+      }
       draw.part = p - first_primitive_[mesh];
       draw.is_mirrored = glm::determinant(mat3(node.world_from_node)) < 0.0f;
       triangle_count_ += static_cast<std::uint64_t>(primitives_[p].index_count) / 3;
@@ -331,11 +335,12 @@ mat4 GpuScene::relative(const mat4& world_from_node) const {
 
 void GpuScene::place_draws(const Scene& scene) {
   bounds_ = {};
-  std::vector<std::array<vec4, 3>> rows;
+  std::vector<std::array<vec4, 4>> rows;
   rows.reserve(draws_.size());
   for (Draw& draw : draws_) {
     const GpuPrimitive& primitive = primitives_[static_cast<std::size_t>(draw.primitive)];
-    mat4 from_middle = scene.nodes[static_cast<std::size_t>(draw.node)].world_from_node;
+    const Node& node = scene.nodes[static_cast<std::size_t>(draw.node)];
+    mat4 from_middle = node.world_from_node;
     const glm::dvec3 middle(glm::dmat4(from_middle) * glm::dvec4(primitive.middle, 1.0));
     from_middle[3] = vec4(vec3(middle - glm::dvec3(origin_)), 1.0f);
     const vec3 half = 0.5f * primitive.bounds.upper - 0.5f * primitive.bounds.lower;
@@ -347,7 +352,7 @@ void GpuScene::place_draws(const Scene& scene) {
     draw.center = draw.bounds.center();
     bounds_.extend(draw.bounds);
     const mat4 transposed = glm::transpose(from_middle);
-    rows.push_back({transposed[0], transposed[1], transposed[2]});
+    rows.push_back({transposed[0], transposed[1], transposed[2], node.color});
   }
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(rows.size() * sizeof(rows[0])), rows.data(), GL_STATIC_DRAW);
@@ -377,8 +382,8 @@ void GpuScene::bind_draw(std::size_t first) const {
   const GpuPrimitive& p = primitives_[static_cast<std::size_t>(d.primitive)];
   glBindVertexArray(p.attributes);
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
-  for (GLuint row = 0; row < 3; ++row) {
-    attribute(5 + row, 4, first * sizeof(std::array<vec4, 3>) + row * sizeof(vec4), sizeof(std::array<vec4, 3>));
+  for (GLuint row = 0; row < 4; ++row) {
+    attribute(5 + row, 4, first * sizeof(std::array<vec4, 4>) + row * sizeof(vec4), sizeof(std::array<vec4, 4>));
     glVertexAttribDivisor(5 + row, 1);
   }
   glFrontFace(d.is_mirrored ? GL_CW : GL_CCW);

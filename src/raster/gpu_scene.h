@@ -39,6 +39,7 @@ struct GpuMaterial {
 struct Draw {
   int primitive = 0;
   int node = 0;
+  int number = 0;        ///< of the node, as people know it
   std::size_t part = 0;  ///< which primitive of the node's mesh
   bool is_mirrored = false;
   Box3 bounds;  ///< relative to the scene's origin
@@ -110,7 +111,7 @@ class GpuScene {
   std::vector<std::size_t> first_primitive_;  ///< of each mesh
   std::vector<GpuMaterial> materials_;
   gl::Buffer material_blocks_;
-  gl::Buffer transforms_;  ///< world_from_object of each draw, three rows
+  gl::Buffer transforms_;  ///< world_from_object of each draw, three rows, and its node's colour
   std::map<TextureSource, gl::Texture> textures_;
   std::map<std::array<int, 3>, gl::Sampler> samplers_;
   std::vector<Draw> draws_;

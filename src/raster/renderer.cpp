@@ -595,7 +595,7 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
   bind_light(program);
   if (pass.has_probes) bind_probe(first, program);
   if (pass.has_areas) glUniform1i(program.uniform("own_areas"), own_areas_[first]);
-  if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.node + 1));
+  if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.number + 1));
   gpu_.bind_material(material, program);
   gpu_.draw(first, count);
 }

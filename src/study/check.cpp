@@ -22,16 +22,19 @@ const char* severity_name(Severity severity) {
 }
 
 std::string material_label(const Scene& scene, int material) {
-  const std::string& name = scene.materials[static_cast<std::size_t>(material)].name;
-  return name.empty() ? fmt::format("material {}", material) : fmt::format("material '{}'", name);
+  const auto index = static_cast<std::size_t>(material);
+  const std::string& name = scene.materials[index].name;
+  return name.empty() ? fmt::format("material {}", number_of(scene.materials, index))
+                      : fmt::format("material '{}'", name);
 }
 
 std::string texture_label(const Scene& scene, int texture, const FileSurvey* survey) {
-  const Texture& t = scene.textures[static_cast<std::size_t>(texture)];
+  const auto index = static_cast<std::size_t>(texture);
+  const Texture& t = scene.textures[index];
   std::string name = t.name;
   const auto image = static_cast<std::size_t>(t.image);
   if (name.empty() && survey != nullptr && image < survey->images.size()) name = survey->images[image].name;
-  return name.empty() ? fmt::format("texture {}", texture) : fmt::format("texture '{}'", name);
+  return name.empty() ? fmt::format("texture {}", number_of(scene.textures, index)) : fmt::format("texture '{}'", name);
 }
 
 std::vector<Finding> check_asset(const CheckInput& input) {
