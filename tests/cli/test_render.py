@@ -54,6 +54,24 @@ class Pictures(CliTest):
         for found, wanted in zip(rows[0][:3], (0x40, 0x80, 0xC0)):
             self.assertLessEqual(abs(found - wanted), 1)
 
+    def test_glass_shows_the_background_or_the_room(self):
+        # The last ball of the row is clear glass. Straight behind its middle is nothing.
+        def middle(name, *options):
+            self.succeeds("render", "demo:row-transmission", "--size", "70x10", "--spp", "64", "--env", "furnace",
+                          "--exposure", "0", "-o", name, *options)  # fmt: skip
+            _, _, channels, rows = png_pixels(self.folder / name)
+            return rows[5][65 * channels : 66 * channels]
+
+        for engine in ("path", "raster"):
+            options = ["--engine", engine]
+            with self.subTest(engine=engine):
+                red, green, blue = middle("a.png", "--background", "#2040c0", *options)
+                self.assertLess(red, 90)
+                self.assertGreater(blue, 160)
+                self.assertLess(middle("b.png", "--background", "transparent", *options)[3], 80)
+                self.assertGreater(min(middle("c.png", "--background", "#2040c0", "--glass", "env", *options)), 150)
+                self.assertEqual(middle("d.png", "--background", "transparent", "--glass", "env", *options)[3], 255)
+
     def test_threads_do_not_change_a_bit(self):
         for threads in ("1", "2"):
             self.succeeds(*SPHERES, "--size", "40x30", "--spp", "4", "--threads", threads, "-o", threads + ".exr",
