@@ -34,9 +34,9 @@ Layer parse_layer(std::string_view name) {
 }
 
 float alpha_before(vec3 through) {
-  const vec3 kept = glm::clamp(1.0f - through, 0.0f, 1.0f);
+  const vec3 kept = 1.0f - through;
   // As luminance(), but exact where the three are equal: 1 is opaque, and nothing at all is 0.
-  return kept.y + 0.2126f * (kept.x - kept.y) + 0.0722f * (kept.z - kept.y);
+  return glm::clamp(kept.y + 0.2126f * (kept.x - kept.y) + 0.0722f * (kept.z - kept.y), 0.0f, 1.0f);
 }
 
 void set_through(Image through, Film& film) {

@@ -135,7 +135,9 @@ TEST(law_path, what_clear_glass_reflects_and_lets_through_is_all_there_is) {
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen.light[c] + seen.through[c], 1.0f, 0.02f) << shape.name;
       EXPECT_GT(seen.through.y, 0.3f) << shape.name;
       EXPECT_GT(seen.light.y, 0.03f) << shape.name;
-      EXPECT_NEAR(seen.alpha, 1.0f - luminance(seen.through), 1e-3f) << shape.name;
+      // One wavelength lets more than all of one colour through, and alpha cannot be below 0.
+      EXPECT_NEAR(seen.alpha, 1.0f - luminance(seen.through), shape.material.dispersion > 0.0f ? 0.02f : 1e-3f)
+          << shape.name;
     }
   }
 }
@@ -246,7 +248,7 @@ TEST(law_path, reflections_inside_and_out_and_what_scatters_show_the_environment
     for (std::size_t i = 16; i < 20; ++i) prism.normals[i] = glm::normalize(vec3(0, -1, -1));
     SceneBuilder b;
     b.add(prism, glass(1.5f, 0.0f));
-    both(b.build(), front());
+    both(b.build(), look_at({0, 0, 3}, vec3(0.0f), 0.08f));
   }
   {
     SceneBuilder b;

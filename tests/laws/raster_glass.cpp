@@ -170,7 +170,8 @@ TEST_F(law_raster_glass, edges_of_glass_are_smooth_over_samples_and_frames) {
   SceneBuilder b;
   b.add(quad({-2, -2, 0}, {2.0f + 1.0f / kSize, 0, 0}, {0, 4, 0}), sheet(1.0f, 0.0f, kTint));
   raster::Settings s = before_background();
-  s.frames = 16;
+  s.msaa = 4;
+  s.frames = 64;
   const Film film = draw(b.build(), constant_environment(vec3(1.0f)), s);
   EXPECT_LT(glm::length(at(film.through, 16, 16) - (0.5f + 0.5f * kTint)), 0.06f);
   EXPECT_NEAR(film.through.at(16, 16)[3], 0.5f, 0.07f);

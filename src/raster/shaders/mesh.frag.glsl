@@ -393,10 +393,12 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open
 #endif
 #endif
   float seen_open;
+  // Of a body one boundary is drawn, which takes half of its colour; the other half is the far one's.
+  vec3 left = params.is_thin ? vec3(1.0) : sqrt(params.base_color);
   if (params.is_thin || thickness <= 0.0) {
     vec3 seen = behind(v_position, -p.wo, alpha, seen_open);
-    open = vec3(seen_open);
-    return seen;
+    open = left * seen_open;
+    return left * seen;
   }
   float n = max(params.ior, 1.0);
   // The lobe narrows as the bend does.
@@ -424,7 +426,7 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open
       open.b = seen_open;
     }
   }
-  vec3 left = exp(-extinction.rgb * thickness);
+  left *= exp(-extinction.rgb * thickness);
   open *= left;
   return color * left;
 }
