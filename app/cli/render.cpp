@@ -63,6 +63,7 @@ raster::Settings raster_settings(const RenderOptions& o) {
   settings.msaa = o.msaa;
   settings.background = o.settings.background == path::Background::transparent ? raster::Background::transparent
                                                                                : raster::Background::environment;
+  settings.environment_in_glass = o.settings.environment_in_glass;
   settings.shading = o.settings.shading;
   settings.layers = o.settings.layers;
   settings.occlusion_radius = o.occlusion_radius;

@@ -53,6 +53,9 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--background", "env|transparent|COLOUR", o.background, parse_background,
             "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
       ->group(group);
+  add_value(verb, "--glass", "background|env", o.settings.environment_in_glass, parse_glass,
+            "What clear glass before such a background shows through it [background]")
+      ->group(group);
   add_value(verb, "--aov", "LIST", o.settings.layers, parse_layers,
             "Layers beside the picture in the .exr: albedo,normal,depth,position,id")
       ->group(group);
@@ -373,6 +376,9 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   o.settings.width = o.size.x;
   o.settings.height = o.size.y;
   o.settings.background = o.background.kind;
+  if (verb.count("--glass") > 0 && o.background.kind == path::Background::environment) {
+    throw UsageError("--glass: without another --background glass shows the environment");
+  }
   o.develop_given = verb.count("--exposure") + verb.count("--tonemap") + verb.count("--bloom") > 0;
   if (o.light_radius > 0.0f) o.has_soft_shadows = true;
   o.focus_given = verb.count("--focus-distance") > 0;

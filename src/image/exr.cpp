@@ -40,14 +40,28 @@ bool is_opaque(const Image& image) {
   return true;
 }
 
+void add_rgb(Imf::Header& header, Imf::FrameBuffer& frame, const std::string& name, const Image& image) {
+  const char* const suffixes[] = {".R", ".G", ".B"};
+  for (std::size_t c = 0; c < 3; ++c) add_channel(header, frame, name + suffixes[c], image, c);
+}
+
+/// Whether any pixel lets so much more of one colour through than of another that 8 bits could show it.
+bool is_colored(const Image& through) {
+  constexpr float kLeast = 1.0f / 512.0f;
+  for (std::size_t i = 0; i < through.pixels.size(); i += 4) {
+    const float* t = through.pixels.data() + i;
+    if (std::max({t[0], t[1], t[2]}) - std::min({t[0], t[1], t[2]}) > kLeast) return true;
+  }
+  return false;
+}
+
 void add_layer(Imf::Header& header, Imf::FrameBuffer& frame, Layer layer, const Image& image) {
   const std::string name(layer_name(layer));
   if (image.channels == 1) {
     add_channel(header, frame, name + (layer == Layer::depth ? ".Z" : ".Y"), image, 0);
     return;
   }
-  const char* const suffixes[] = {".R", ".G", ".B"};
-  for (std::size_t c = 0; c < 3; ++c) add_channel(header, frame, name + suffixes[c], image, c);
+  add_rgb(header, frame, name, image);
 }
 
 void add_metadata(Imf::Header& header, const std::map<std::string, std::string>& metadata, const std::string& where) {
@@ -74,7 +88,7 @@ void set_compression(Imf::Header& header, const Film& film) {
 }
 
 std::size_t film_bytes(const Film& film) {
-  std::size_t floats = film.beauty.pixels.size();
+  std::size_t floats = film.beauty.pixels.size() + film.through.pixels.size();
   for (const auto& [layer, image] : film.layers) floats += image.pixels.size();
   return floats * sizeof(float);
 }
@@ -94,6 +108,7 @@ void write_exr(const std::filesystem::path& path, const Film& film) {
     if (beauty.channels == 1) add_channel(header, frame, "Y", beauty, 0);
     for (std::size_t c = 0; beauty.channels >= 3 && c < 3; ++c) add_channel(header, frame, names[c], beauty, c);
     if (!is_opaque(beauty)) add_channel(header, frame, "A", beauty, 3);
+    if (is_colored(film.through)) add_rgb(header, frame, "through", film.through);
     for (const auto& [layer, image] : film.layers) add_layer(header, frame, layer, image);
     add_metadata(header, film.metadata, where);
 

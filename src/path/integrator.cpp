@@ -23,6 +23,7 @@ PathSample background_sample(const PathContext& context, vec3 direction) {
     sample.radiance = environment.background(direction);
   } else {
     sample.alpha = 0.0f;
+    sample.through = vec3(1.0f);
   }
   return sample;
 }
@@ -41,14 +42,21 @@ struct Meeting {
   Place& place;
 };
 
-/// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance.
+/// Whether rough facets, through which one sees, or diffuse transmission, which shows nothing, lets most of the light
+/// through a surface.
+bool is_glass(const shade::Surface& surface) { return surface.weight_glass > max_component(surface.diffuse_below); }
+
+/// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance. Where the
+/// background is seen, the environment shines on the near side of glass only.
 template <bool kHasMedia>
 vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& crossing, const SurfacePoint& point,
-                  const Meeting& meeting, const LightChances& chances, float u_choice, vec2 u, RayCounts& counts) {
+                  const Meeting& meeting, const LightChances& chances, bool sees_background, float u_choice, vec2 u,
+                  RayCounts& counts) {
   const LightSample light = context.lights.sample(point.position, chances, u_choice, u);
   if (light.pdf <= 0.0f) return vec3(0.0f);
   const bool is_outside = point.is_outside(light.direction);
   if (!is_outside && !shade::surface_scatters_through(point.surface)) return vec3(0.0f);
+  if (!is_outside && sees_background && light.is_environment() && is_glass(point.surface)) return vec3(0.0f);
   const vec3 wi = point.frame.to_local(light.direction);
   if ((wi.z > 0.0f) != is_outside) return vec3(0.0f);
   const shade::SurfaceEval f = shade::surface_eval(point.surface, point.wo, wi);
@@ -136,16 +144,22 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
   float u_wavelength = 0.0f;
   if constexpr (kHasMedia) u_wavelength = sampler.next_1d();
   bool is_first = true;
-  bool is_eye = true;  // the direction is the camera's still
+  bool is_eye = true;                                  // the direction is the camera's still
+  bool sees_background = context.background_in_glass;  // the path was never reflected or scattered
   int passed = 0;
   if constexpr (kHasMedia) {
     bool scattered = false;
     if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
     is_eye = !scattered;
+    sees_background = sees_background && !scattered;
     sky = context.lights.environment().locate(ray.direction);
   }
   for (int depth = 0;; ++depth) {
     // ----- the ray left the scene
+    if (!hit && sees_background) {
+      sample.through = walk.throughput;
+      break;
+    }
     if (!hit && is_eye && !context.sees_lamps) {
       sample.radiance += walk.throughput * context.lights.environment().read(sky).radiance;
       break;
@@ -198,8 +212,9 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       if (context.lights.can_sample() && !shade::surface_is_delta(point.surface)) {
         LightChances& target = is_straight ? here : chances;
         context.lights.find_chances(point.position, target);
-        sample.radiance += walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place},
-                                                                     target, choices.x, u_light, counts);
+        sample.radiance +=
+            walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, target,
+                                                      sees_background, choices.x, u_light, counts);
       }
       if (max_component(next.weight) <= 0.0f) break;
       walk.throughput *= next.weight;
@@ -211,6 +226,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
         if constexpr (kHasMedia) {
           if (is_through) walk.cross(crossing);
         }
+        sees_background = sees_background && is_through && (next.is_delta || is_glass(point.surface));
         bsdf_pdf = next.is_delta ? 0.0f : next.pdf;
         drawn_at = point.ray_origin(direction);
 
@@ -245,6 +261,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       if (!walk.travel(context, ray, hit, sampler, counts, scattered)) break;
       if (scattered) {
         is_eye = false;
+        sees_background = false;
         bsdf_pdf = 0.0f;
         sky = context.lights.environment().locate(ray.direction);
       }
@@ -273,10 +290,12 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
   Walk walk = start_walk<true>(context, ray.origin);
   Place place;
   bool is_eye = true;
+  bool sees_background = context.background_in_glass;
   int passed = 0;
   bool scattered = false;
   if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
   is_eye = !scattered;
+  sees_background = sees_background && !scattered;
   for (int depth = 0; hit; ++depth) {
     Crossing crossing;
     if (context.geometry.placement(hit.placement).body != 0 && is_back_hit(context.geometry, hit, ray.direction)) {
@@ -300,6 +319,7 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
         is_eye = false;
       }
       is_through = next.wi.z < 0.0f;
+      sees_background = sees_background && is_through && (next.is_delta || is_glass(point.surface));
       if (point.is_outside(direction) == is_through) return sample;
       walk.throughput *= next.weight;
       if (max_component(walk.throughput) <= 0.0f) return sample;
@@ -320,7 +340,11 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
     hit = context.geometry.intersect(ray, sampler.next_hash());
     if (is_eye) hit = first_visible_hit(context, ray, hit, counts);
     if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
-    if (scattered) is_eye = false;
+    if (scattered) is_eye = sees_background = false;
+  }
+  if (sees_background) {
+    sample.through = walk.throughput;
+    return sample;
   }
   sample.radiance += walk.throughput * context.lights.escaped_radiance(ray.direction);
   return sample;

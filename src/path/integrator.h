@@ -12,6 +12,7 @@ struct PathContext {
   const Lights& lights;
   int bounces = 8;
   Background background = Background::environment;
+  bool background_in_glass = false;  ///< what the camera sees through glass is a transparent background too
   bool sees_lamps = true;
   bool has_media = true;           ///< whether any material bounds a body; false leaves out what only bodies need
   MediumStack start{};             ///< the bodies that the eye is in
@@ -29,6 +30,7 @@ struct RayCounts {
 struct PathSample {
   vec3 radiance{0.0f};
   float alpha = 1.0f;  ///< 0 where the camera ray left the scene and the background is transparent
+  vec3 through{0.0f};  ///< what that background is multiplied by: 1 there, less where it is seen through glass
   vec3 albedo{0.0f};   ///< of the first surface of the layers; 1 for lights and the background
   vec3 normal{0.0f};   ///< of the same
 };

@@ -34,6 +34,12 @@ View without_lens(View view) {
   return view;
 }
 
+bool shows_background_in_glass(const Scene& scene, const Settings& settings) {
+  return settings.background == Background::transparent && !settings.environment_in_glass &&
+         std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& m) { return m.transmission > 0.0f && !m.unlit; });
+}
+
 /// One rendering: owns what the passes share.
 class Job {
  public:
@@ -41,11 +47,17 @@ class Job {
       : settings_(settings),
         geometry_(scene, settings.shading),
         lights_(scene, environment, geometry_),
-        context_{geometry_, lights_, settings.bounces, settings.background, settings.sees_lamps, geometry_.has_media()},
+        context_{geometry_,
+                 lights_,
+                 settings.bounces,
+                 settings.background,
+                 shows_background_in_glass(scene, settings),
+                 settings.sees_lamps,
+                 geometry_.has_media()},
         camera_(view, settings.width, settings.height),
         pinhole_(without_lens(view), settings.width, settings.height),
         filter_(settings.filter, settings.filter_radius),
-        accumulator_(settings),
+        accumulator_(settings, context_.background_in_glass),
         converged_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height), 0),
         tiles_x_((settings.width + kTile - 1) / kTile),
         tiles_y_((settings.height + kTile - 1) / kTile) {
@@ -169,7 +181,7 @@ void Job::render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_s
 /// A pixel stops when it and its eight neighbours are below the target: a lone pixel that has met no highlight yet must
 /// not freeze beside one that has.
 void Job::find_converged() {
-  const float reference = accumulator_.mean_luminance();
+  const Accumulator::Reference reference = accumulator_.reference();
   const auto w = static_cast<std::size_t>(settings_.width);
   std::vector<std::uint8_t> good(pixel_count());
   parallel_for(0, static_cast<std::size_t>(settings_.height), 8, [&](std::size_t begin, std::size_t end) {

@@ -20,7 +20,8 @@ enum class Integrator {
   minimal  ///< samples the material only: same mean, more noise; the reading ladder and the test oracle
 };
 
-/// What a camera ray sees that hits nothing. A plain colour is `transparent` with DevelopSettings::background.
+/// What a camera ray sees that hits nothing, or nothing but glass that it passes. A plain colour is `transparent` with
+/// DevelopSettings::background.
 enum class Background { environment, transparent };
 
 struct Settings {
@@ -35,6 +36,8 @@ struct Settings {
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
   Integrator integrator = Integrator::full;
   Background background = Background::environment;
+  /// Of another background: glass shows the environment behind it all the same.
+  bool environment_in_glass = false;
   /// False: what camera rays see is lit by lamps and suns, but they are not in the picture (for probes, beside which
   /// lamps light on their own).
   bool sees_lamps = true;

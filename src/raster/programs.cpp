@@ -120,6 +120,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(pass.has_probes, "HAS_PROBES");
   add(pass.has_soft_shadows, "HAS_SOFT_SHADOWS");
   add(pass.has_scattering, "HAS_SCATTERING");
+  add(pass.has_through, "HAS_THROUGH");
   add(key.is_emissive, "IS_EMISSIVE");
   if (is_of_surface(pass.quantity)) {
     // "base-color" is SHOW_base_color.

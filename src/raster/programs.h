@@ -43,6 +43,7 @@ struct PassKey {
   bool has_probes = false;
   bool has_soft_shadows = false;
   bool has_scattering = false;          ///< the picture has layers of light that has yet to spread
+  bool has_through = false;             ///< glass shows a background that is not in the picture
   bool has_coverage = false;            ///< masks become coverage of several samples
   Quantity quantity = Quantity::light;  ///< light, or one of a surface
 

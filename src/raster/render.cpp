@@ -78,7 +78,9 @@ std::uint64_t picture_bytes(const Settings& settings) {
   const auto pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
   // Colour of half floats and depth per sample, two resolved pictures with mips, three copies in floats, the layers.
   const auto samples = static_cast<std::uint64_t>(settings.msaa);
-  return pixels * (samples * 12 + 24 + 48 + film_bytes_per_pixel(settings.layers));
+  const std::uint64_t through =
+      settings.background == Background::transparent && !settings.environment_in_glass ? samples * 8 + 8 + 48 : 0;
+  return pixels * (samples * 12 + 24 + 48 + through + film_bytes_per_pixel(settings.layers));
 }
 
 struct Session::Parts {
@@ -157,11 +159,22 @@ class Watcher {
   double next_s_ = 0.0;
 };
 
+/// What shows through is what nothing covers, and `glass` of what is covered.
+void add_open(Image glass, Film& film) {
+  for (std::size_t i = 0; i < glass.pixels.size(); i += 4) {
+    const float coverage = film.beauty.pixels[i + 3];
+    for (std::size_t c = 0; c < 3; ++c) glass.pixels[i + c] += 1.0f - coverage;
+    glass.pixels[i + 3] = coverage;
+  }
+  set_through(std::move(glass), film);
+}
+
 /// The mean of a view's frames, or of those that are drawn when it has to end.
 Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const MomentOf& moment,
                const Settings& settings, Watcher& watcher, Statistics& s) {
   Film film;
   film.beauty = Image(settings.width, settings.height, 4);
+  Image through;
   int drawn = 0;
   for (int frame = 0; frame < settings.frames; ++frame) {
     const bool is_still = settings.frames > 1;
@@ -181,7 +194,12 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
     glFinish();
     s.draw_s += drawing.lap();
     const Image picture = renderer.read();
+    const Image behind = renderer.read_through();
     const float share = 1.0f / static_cast<float>(settings.frames);
+    if (frame == 0) through = Image(behind.width, behind.height, behind.channels);
+    for (std::size_t i = 0; i < behind.pixels.size(); ++i) {
+      if (std::isfinite(behind.pixels[i])) through.pixels[i] += share * behind.pixels[i];
+    }
     for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
       const float* p = picture.pixels.data() + i;
       const bool is_good = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]) && std::isfinite(p[3]);
@@ -201,8 +219,11 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
   s.frames += drawn;
   if (drawn < settings.frames && settings.quantity != Quantity::non_finite) {
     const float rest = static_cast<float>(settings.frames) / static_cast<float>(drawn);
-    for (float& v : film.beauty.pixels) v *= rest;
+    for (Image* image : {&film.beauty, &through}) {
+      for (float& v : image->pixels) v *= rest;
+    }
   }
+  if (!through.empty()) add_open(std::move(through), film);
   apply_vignetting(view, film.beauty);
   show_numbers(settings.quantity, renderer.scene().bounds(), film.beauty);
   if (settings.quantity == Quantity::luminance) {

@@ -32,6 +32,8 @@ struct Settings {
   /// How far away surfaces occlude what comes from the environment, over the diagonal of the scene; 0 = they do not.
   float occlusion_radius = 0.0f;
   Background background = Background::environment;
+  /// Of another background: glass shows the environment behind it all the same.
+  bool environment_in_glass = false;
   Ambient ambient = Ambient::baked;
   /// Shadows that soften with the distance from what casts them: of suns and area lights by their own size, of points
   /// and spots by `light_radius`.

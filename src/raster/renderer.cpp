@@ -27,6 +27,15 @@ void wrap(GLenum target, GLint s, GLint t) {
   glTexParameteri(target, GL_TEXTURE_WRAP_T, t);
 }
 
+/// Where what is seen through glass stands, beside the layers of scattered light.
+constexpr GLenum kThroughAttachment = GL_COLOR_ATTACHMENT3;
+
+/// Draws into the picture and what is seen through glass.
+void use_through_attachment() {
+  constexpr std::array<GLenum, 4> kBuffers = {GL_COLOR_ATTACHMENT0, GL_NONE, GL_NONE, kThroughAttachment};
+  glDrawBuffers(static_cast<GLsizei>(kBuffers.size()), kBuffers.data());
+}
+
 /// Draws into the first `count` pictures of the framebuffer that is bound.
 void use_color_attachments(GLsizei count) {
   constexpr std::array<GLenum, 3> kAll = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
@@ -39,6 +48,9 @@ void check_framebuffer(const char* what) {
     throw Error("the driver cannot draw into " + std::string(what) + " (status " + std::to_string(status) + ")");
   }
 }
+
+/// Whether all light is shown.
+bool is_whole(Quantity quantity) { return quantity == Quantity::light || quantity == Quantity::luminance; }
 
 /// Whether a box lies wholly outside one plane of what the camera sees.
 bool is_outside(const mat4& clip_from_world, const Box3& box) {
@@ -295,6 +307,13 @@ void Renderer::make_targets() {
                                 scattered_samples_[i]);
     }
   }
+  has_through_ = settings_.background == Background::transparent && !settings_.environment_in_glass &&
+                 gpu_.has_lobe(shade::kLobeTransmission) && is_whole(settings_.quantity);
+  if (has_through_) {
+    glBindRenderbuffer(GL_RENDERBUFFER, through_samples_);
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, kThroughAttachment, GL_RENDERBUFFER, through_samples_);
+  }
   check_framebuffer("half floats");
   settings_.msaa = std::max(samples, 1);
 
@@ -312,6 +331,7 @@ void Renderer::make_targets() {
   for (std::size_t i = 0; has_scattering_ && i < scattered_.size(); ++i) {
     make_picture(scattered_[i], scattered_framebuffer_[i], GL_NEAREST);
   }
+  if (has_through_) make_picture(through_, through_framebuffer_, GL_NEAREST);
   if (gpu_.has_lobe(shade::kLobeTransmission)) {
     make_picture(opaque_picture_, picture_framebuffer_, GL_LINEAR_MIPMAP_LINEAR);
     picture_levels_ = 1 + static_cast<int>(std::log2(static_cast<float>(std::max(w, h))));
@@ -661,6 +681,15 @@ void Renderer::resolve(GLuint framebuffer) {
                     GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
+void Renderer::resolve_through() {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.framebuffer);
+  glReadBuffer(kThroughAttachment);
+  resolve(through_framebuffer_);
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  use_color_attachments(1);
+}
+
 void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   const FrameCamera camera = frame_camera(relative(view), settings_.width, settings_.height, range_, jitter, aperture);
   bind_frame(camera);
@@ -695,8 +724,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   glClearDepthf(1.0f);
-  const bool is_whole = settings_.quantity == Quantity::light || settings_.quantity == Quantity::luminance;
-  const bool has_background = settings_.background == Background::environment && is_whole;
+  const bool has_background = settings_.background == Background::environment && is_whole(settings_.quantity);
   // A background covers whatever was there.
   glClear(has_background ? GL_DEPTH_BUFFER_BIT : GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
@@ -743,6 +771,12 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
       glBindTexture(GL_TEXTURE_2D, opaque_picture_);
       glGenerateMipmap(GL_TEXTURE_2D);
     }
+    if (has_through_) {
+      pass.has_through = true;
+      use_through_attachment();
+      const std::array<float, 4> nothing{};
+      glClearBufferfv(GL_COLOR, 3, nothing.data());
+    }
     draw_surfaces(transmissive, pass, camera);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
@@ -752,6 +786,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
     glDisable(GL_BLEND);
   }
   resolve(resolved_framebuffer_);
+  if (has_through_) resolve_through();
   gl::check("drawing");
   ++frame_;
 }
@@ -793,6 +828,12 @@ void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
 
 Image Renderer::read() {
   glBindFramebuffer(GL_FRAMEBUFFER, resolved_framebuffer_);
+  return read_pixels(settings_.width, settings_.height);
+}
+
+Image Renderer::read_through() {
+  if (!has_through_) return {};
+  glBindFramebuffer(GL_FRAMEBUFFER, through_framebuffer_);
   return read_pixels(settings_.width, settings_.height);
 }
 

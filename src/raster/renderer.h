@@ -38,6 +38,9 @@ class Renderer {
   void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f));
   /// The last frame: linear, 4 channels, premultiplied, row 0 at the top.
   Image read();
+  /// What a background would be multiplied by where glass shows it, over what alpha lets through: 4 channels of the
+  /// last frame, or nothing where glass does not show it.
+  Image read_through();
   /// Shows the last frame in the framebuffer of a window of `size` pixels.
   void present(ivec2 size, float exposure, ToneCurve tone_curve);
   /// Frames of another size from here on.
@@ -83,6 +86,7 @@ class Renderer {
   void draw_quantity(Quantity quantity, const FrameCamera& camera);
   void draw_some(std::size_t first, std::size_t count, const PassKey& pass);
   void resolve(GLuint framebuffer);
+  void resolve_through();
 
   const Scene* scene_;
   const Environment& environment_;
@@ -117,6 +121,10 @@ class Renderer {
   std::array<gl::Renderbuffer, 2> scattered_samples_;
   std::array<gl::Framebuffer, 2> scattered_framebuffer_;
   gl::Sampler depth_sampler_;  ///< reads shadow maps without comparing
+  bool has_through_ = false;   ///< glass shows a background that is not in the picture
+  gl::Texture through_;
+  gl::Renderbuffer through_samples_;
+  gl::Framebuffer through_framebuffer_;
   gl::Texture resolved_, opaque_picture_;
   gl::Framebuffer resolved_framebuffer_, picture_framebuffer_, shadow_framebuffer_;
   gl::Buffer frame_block_, lights_block_;

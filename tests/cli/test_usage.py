@@ -24,7 +24,7 @@ class Usage(CliTest):
         for option in (
             "--output --variant --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
             "--target --fov --f-number --focus-distance --blades --vignetting --env --sun-elevation --env-rotation "
-            "--env-intensity --light-falloff --background --exposure --tonemap --aov --stats --quiet --strict --engine"
+            "--env-intensity --light-falloff --background --glass --exposure --tonemap --aov --stats --quiet --strict --engine"
         ).split():
             self.assertIn(option, text)
         self.assertIn("candela render demo:materials -o", text)
@@ -51,6 +51,11 @@ class Usage(CliTest):
         self.refuses("info", says="FILE")
         self.refuses("render", "", says="SCENE")
         self.refuses("info", "", says="FILE")
+
+    def test_glass_without_another_background_is_no_wish(self):
+        for glass in ("background", "env"):
+            self.refuses("render", "demo:spheres", "--glass", glass, says="--glass")
+            self.refuses("render", "demo:spheres", "--glass", glass, "--background", "env", says="--background")
 
     def test_unknown_option(self):
         self.refuses("render", "demo:spheres", "--sppp", "3", says="--sppp")
@@ -79,6 +84,7 @@ class Usage(CliTest):
             "--tonemap": ["filmic", ""],
             "--variant": [""],
             "--background": ["#12345", "#gggggg", "1,2", "mauve", "-1,0,0", "nan,0,0"],
+            "--glass": ["none", "transparent", ""],
             "--aov": ["colour", "albedo,,normal", ""],
             "--filter": ["mitchell"],
             "--integrator": ["bidirectional"],

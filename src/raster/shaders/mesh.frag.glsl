@@ -46,6 +46,11 @@ layout(location = 1) out vec4 o_scattered;  // light that spreads; a: distance a
 layout(location = 2) out vec4 o_width;      // and how wide
 #endif
 
+#ifdef HAS_THROUGH
+layout(location = 3) out vec4 o_through;  // what glass lets through of a background that is not in the picture
+vec3 seen_through = vec3(0.0);
+#endif
+
 // ----- geometry
 
 struct Point {
@@ -369,9 +374,10 @@ float occlusion() {
 
 #ifdef HAS_TRANSMISSION
 /// What is seen through the surface along a direction that leaves it at `exit` (world): the opaque picture, blurred by
-/// `alpha`, and where it shows nothing the light from far away.
-vec3 behind(vec3 exit, vec3 direction, float alpha) {
-#ifdef HAS_FAR_LIGHT
+/// `alpha`, and where it shows nothing (`open`) the light from far away or a background that comes later.
+vec3 behind(vec3 exit, vec3 direction, float alpha, out float open) {
+  open = 1.0;
+#if defined(HAS_FAR_LIGHT) && !defined(HAS_THROUGH)
   vec3 far = prefiltered(direction, alpha);
 #else
   vec3 far = vec3(0.0);
@@ -384,13 +390,14 @@ vec3 behind(vec3 exit, vec3 direction, float alpha) {
   vec4 near = textureLod(opaque_picture, uv, level);
   vec2 edge = smoothstep(vec2(0.0), vec2(0.04), uv) * (1.0 - smoothstep(vec2(0.96), vec2(1.0), uv));
   float inside = clip.w > 0.0 ? edge.x * edge.y : 0.0;
-  return mix(far, near.rgb + (1.0 - near.a) * far, inside);
+  open = 1.0 - inside * near.a;
+  return inside * near.rgb + open * far;
 #else
   return far;
 #endif
 }
 
-vec3 transmitted_light(Point p, SurfaceParams params, float alpha) {
+vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open) {
   float thickness = 0.0;
 #ifdef HAS_BODY
   thickness = transmission.y * v_scale;
@@ -398,7 +405,14 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha) {
   thickness *= thickness_texel().g;
 #endif
 #endif
-  if (params.is_thin || thickness <= 0.0) return behind(v_position, -p.wo, alpha);
+  float seen_open;
+  // Of a body one boundary is drawn, which takes half of its colour; the other half is the far one's.
+  vec3 left = params.is_thin ? vec3(1.0) : sqrt(params.base_color);
+  if (params.is_thin || thickness <= 0.0) {
+    vec3 seen = behind(v_position, -p.wo, alpha, seen_open);
+    open = left * seen_open;
+    return left * seen;
+  }
   float n = max(params.ior, 1.0);
   // The lobe narrows as the bend does.
   float bent_alpha = alpha * clamp(2.0 * n - 2.0, 0.0, 1.0);
@@ -410,18 +424,24 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha) {
     float ni = n + half_spread * float(i - (rays == 3 ? 1 : 0));
     vec3 inner = refract(-p.wo, p.normal, 1.0 / ni);
     if (dot(inner, inner) < 0.5) inner = -p.wo;
-    vec3 seen = behind(v_position + inner * thickness, inner, bent_alpha);
+    vec3 seen = behind(v_position + inner * thickness, inner, bent_alpha, seen_open);
     if (rays == 1) {
       color = seen;
+      open = vec3(seen_open);
     } else if (i == 0) {
       color.r = seen.r;
+      open.r = seen_open;
     } else if (i == 1) {
       color.g = seen.g;
+      open.g = seen_open;
     } else {
       color.b = seen.b;
+      open.b = seen_open;
     }
   }
-  return color * exp(-extinction.rgb * thickness);
+  left *= exp(-extinction.rgb * thickness);
+  open *= left;
+  return color * left;
 }
 #endif
 
@@ -465,7 +485,11 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #endif
 #endif
 #if defined(HAS_TRANSMISSION) && !defined(IS_SCATTERING)
-  color += shares.through * transmitted_light(p, params, s.alpha) * part(16);
+  vec3 open;
+  color += shares.through * transmitted_light(p, params, s.alpha, open) * part(16);
+#ifdef HAS_THROUGH
+  seen_through = shares.through * open;
+#endif
 #endif
   return color;
 }
@@ -740,8 +764,14 @@ void main() {
   // What half floats hold: beyond it a picture would have infinities.
   o_color = min(shaded(), vec4(65504.0));
 #endif
+#ifdef HAS_THROUGH
+  o_through = vec4(seen_through, 1.0);
+#endif
 #if defined(ALPHA_BLEND) && !defined(SHOW)
   o_color = o_color * opacity;
+#ifdef HAS_THROUGH
+  o_through = o_through * opacity;
+#endif
 #endif
 #ifdef ALPHA_TO_COVERAGE
   o_color.a = opacity;
