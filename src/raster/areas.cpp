@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "raster/opacity.h"
 #include "shade/color.glsl.h"
 
 namespace candela::raster {
@@ -112,7 +113,7 @@ std::vector<AreaLight> glowing_draws(const Scene& scene, const GpuScene& gpu) {
     const Node& node = scene.nodes[static_cast<std::size_t>(draw.node)];
     const Primitive& primitive = scene.meshes[static_cast<std::size_t>(node.mesh)].primitives[draw.part];
     const Material& material = scene.materials[static_cast<std::size_t>(primitive.material)];
-    if (max_component(material.emission) <= 0.0f || material.unlit || material.alpha_mode == AlphaMode::blend) continue;
+    if (max_component(material.emission) <= 0.0f || material.unlit) continue;
     const Panel panel = make_panel(primitive, node.world_from_node);
     const bool is_flat = glm::length(panel.facing) > kFlat * panel.area;
     // Lamps painted on a body are small beside it, and nobody knows where.
@@ -121,6 +122,7 @@ std::vector<AreaLight> glowing_draws(const Scene& scene, const GpuScene& gpu) {
     c.draw = i;
     vec3 color = material.emission;
     if (material.emissive_texture) color *= mean_texel(scene, primitive, material.emissive_texture);
+    color *= mean_opacity(scene, primitive, material);
     c.entry.color = vec4(color, 0.0f);
     if (is_flat) {
       std::array<vec3, 4> corners = rectangle(panel);

@@ -52,7 +52,7 @@ bool is_scattering(const Material& m) {
 MaterialBlock make_block(const Material& m) {
   MaterialBlock b;
   b.base_color = vec4(m.base_color, m.opacity);
-  b.emission = vec4(m.emission, m.alpha_cutoff);
+  b.emission = vec4(m.emission, drawn_cutoff(m.alpha_cutoff));
   b.metallic_roughness = {m.metallic, m.roughness, m.ior, m.specular};
   b.specular_color = vec4(m.specular_color, m.normal_scale);
   b.coat = {m.clearcoat, m.clearcoat_roughness, m.clearcoat_normal_scale, m.occlusion_strength};
@@ -195,6 +195,7 @@ void GpuScene::set_geometry(const Scene& scene) {
     add_mesh(mesh);
   }
   first_primitive_.push_back(primitives_.size());
+  find_alpha_modes(scene);
   add_draws(scene);
   gl::check("uploading the scene");
 }
@@ -227,6 +228,25 @@ void GpuScene::add_mesh(const Mesh& mesh) {
   }
 }
 
+/// What the vertices of all its meshes leave of a material's alpha decides how it is drawn.
+void GpuScene::find_alpha_modes(const Scene& scene) {
+  std::vector<AlphaRange> vertices(materials_.size(), AlphaRange{kInfinity, 0.0f});
+  for (const Mesh& mesh : scene.meshes) {
+    for (const Primitive& p : mesh.primitives) {
+      const auto k = static_cast<std::size_t>(p.material);
+      if (scene.materials[k].alpha_mode == AlphaMode::opaque) continue;
+      const AlphaRange range = alpha_of_vertices(p);
+      vertices[k] = {std::min(vertices[k].least, range.least), std::max(vertices[k].most, range.most)};
+    }
+  }
+  for (std::size_t k = 0; k < materials_.size(); ++k) {
+    if (scene.materials[k].alpha_mode == AlphaMode::opaque || vertices[k].least == kInfinity) continue;
+    const AlphaRange range = materials_[k].alpha * vertices[k];
+    materials_[k].key.alpha_mode = drawn_mode(scene.materials[k], range);
+    materials_[k].has_opaque_part = materials_[k].is_blended() && range.most >= kOpaqueAlpha;
+  }
+}
+
 void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
   GLint alignment = 256;
   glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
@@ -240,6 +260,7 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
     gpu.name = m.name;
     gpu.key = make_key(m, model);
     gpu.is_double_sided = m.double_sided;
+    if (m.alpha_mode != AlphaMode::opaque) gpu.alpha = alpha_of_material(scene, m);
     gpu.block = static_cast<GLintptr>(stride * k);
     const MaterialBlock block = make_block(m);
     std::memcpy(blocks.data() + gpu.block, &block, sizeof block);

@@ -6,6 +6,8 @@
 
 #include "base/error.h"
 #include "ibl/source.h"
+#include "raster/body.h"
+#include "scene/surface_params.h"
 #include "shade/surface_params.glsl.h"
 #include "shade/tables.glsl.h"
 
@@ -38,21 +40,6 @@ void check_framebuffer(const char* what) {
   if (status != GL_FRAMEBUFFER_COMPLETE) {
     throw Error("the driver cannot draw into " + std::string(what) + " (status " + std::to_string(status) + ")");
   }
-}
-
-/// Whether a box lies wholly outside one plane of what the camera sees.
-bool is_outside(const mat4& clip_from_world, const Box3& box) {
-  std::array<int, 6> outside{};
-  for (int i = 0; i < 8; ++i) {
-    const vec4 c =
-        clip_from_world * vec4((i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
-                               (i & 4) != 0 ? box.upper.z : box.lower.z, 1.0f);
-    for (int axis = 0; axis < 3; ++axis) {
-      outside[static_cast<std::size_t>(2 * axis)] += c[axis] < -c.w ? 1 : 0;
-      outside[static_cast<std::size_t>(2 * axis + 1)] += c[axis] > c.w ? 1 : 0;
-    }
-  }
-  return std::any_of(outside.begin(), outside.end(), [](int n) { return n == 8; });
 }
 
 gl::Texture upload_panorama(const Image* map) {
@@ -260,6 +247,7 @@ void Renderer::begin(const View& view, LightPoint point) {
   Diagnostics& diagnostics = is_begun_ ? told_ : diagnostics_;
   is_begun_ = true;
   is_moved_light_ = point != LightPoint(0.5f);
+  body_ = camera.is_perspective ? body_around(*scene_, camera.eye) : -1;
   const float radius = settings_.has_soft_shadows ? settings_.light_radius : 0.0f;
   lights_ = collect_lights(*scene_, environment_, gpu_.bounds(), camera,
                            settings_.has_soft_shadows ? point : LightPoint(0.5f), radius, diagnostics);
@@ -272,8 +260,11 @@ void Renderer::begin(const View& view, LightPoint point) {
 void Renderer::draw_shadows() {
   glBindTexture(GL_TEXTURE_2D_ARRAY, shadows_);
   const GLsizei layers = std::max(lights_.shadow_count, 1), size = lights_.shadow_count > 0 ? lights_.shadow_size : 1;
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT32F, size, size, layers, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
-               nullptr);
+  has_veils_ = lights_.shadow_count > 0 && std::any_of(gpu_.draws().begin(), gpu_.draws().end(),
+                                                       [&](const Draw& d) { return casts_veil(gpu_.material_of(d)); });
+  // Behind the maps of what is opaque, those of the first and of the second blended surface.
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT32F, size, size, has_veils_ ? 3 * layers : layers, 0,
+               GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
   filter(GL_TEXTURE_2D_ARRAY, GL_LINEAR, GL_LINEAR);
   wrap(GL_TEXTURE_2D_ARRAY, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
@@ -302,7 +293,7 @@ void Renderer::draw_shadows() {
       if (owner >= 0 && area_of_draw_[i] == owner) return false;
       const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
       // What lets light through casts no hard shadow.
-      if (material.key.alpha_mode == AlphaMode::blend || material.is_transmissive()) return false;
+      if ((material.is_blended() && !material.has_opaque_part) || material.is_transmissive()) return false;
       return !is_outside(clip_from_world, gpu_.draws()[i].bounds);
     };
     for (std::size_t i = 0, end = 0; i < gpu_.draws().size(); i = end) {
@@ -313,10 +304,11 @@ void Renderer::draw_shadows() {
       const gl::Program& program = programs_.depth(material.key);
       glUseProgram(program.id());
       glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &clip_from_world[0][0]);
-      if (material.key.alpha_mode == AlphaMode::mask) gpu_.bind_material(material, program);
+      if (material.key.alpha_mode != AlphaMode::opaque) gpu_.bind_material(material, program);
       gpu_.draw(i, end - i);
     }
   }
+  if (has_veils_) draw_veils();
   glDisable(GL_POLYGON_OFFSET_FILL);
   gl::check("drawing shadows");
 }
@@ -352,6 +344,8 @@ void Renderer::bind_light(const gl::Program& program) const {
   program.bind("light_profiles", GL_TEXTURE_2D_ARRAY, profiles_);
   program.bind("opaque_picture", GL_TEXTURE_2D, opaque_picture_);
   program.bind("screen_visibility", GL_TEXTURE_2D, visibility_[1]);
+  program.bind("veils", GL_TEXTURE_2D_ARRAY, veils_);
+  program.bind("depth_layers", GL_TEXTURE_2D_ARRAY, depth_layers_);
 }
 
 void Renderer::make_occlusion_targets() {
@@ -505,23 +499,33 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
   bind_light(program);
   if (pass.has_probes) bind_probe(first, program);
   if (pass.has_areas) glUniform1i(program.uniform("own_area"), area_of_draw_[first]);
+  if (pass.blend_part == BlendPart::rest) glUniform4iv(program.uniform("depth_slice"), 1, &slice_.x);
+  if (pass.is_in_body) {
+    const vec3 extinction = volume_extinction(scene_->materials[static_cast<std::size_t>(body_)]);
+    glUniform3fv(program.uniform("body_extinction"), 1, &extinction.x);
+  }
   if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.node + 1));
   gpu_.bind_material(material, program);
   gpu_.draw(first, count);
 }
 
-/// Depth alone, masks cut out or left out.
-void Renderer::draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks) {
+/// In a body the eye sees its boundary from behind; glTF: doubleSided does not matter to it.
+bool Renderer::has_both_sides(const GpuMaterial& material) const {
+  return material.is_double_sided || (body_ >= 0 && material.key.has_body);
+}
+
+/// Depth alone; masks and blended surfaces are cut out or left out.
+void Renderer::draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_cut_out) {
   for (const std::size_t i : order) {
     const Draw& d = gpu_.draws()[i];
     const GpuMaterial& material = gpu_.material_of(d);
-    const bool is_mask = material.key.alpha_mode == AlphaMode::mask;
-    if ((is_mask && !has_masks) || is_outside(camera.clip_from_world, d.bounds)) continue;
+    const bool is_cut_out = material.key.alpha_mode != AlphaMode::opaque;
+    if ((is_cut_out && !has_cut_out) || is_outside(camera.clip_from_world, d.bounds)) continue;
     const gl::Program& program = programs_.depth(material.key);
     glUseProgram(program.id());
     glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &camera.clip_from_world[0][0]);
-    if (is_mask) gpu_.bind_material(material, program);
-    if (material.is_double_sided) {
+    if (is_cut_out) gpu_.bind_material(material, program);
+    if (has_both_sides(material)) {
       glDisable(GL_CULL_FACE);
     } else {
       glEnable(GL_CULL_FACE);
@@ -537,7 +541,7 @@ void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKe
   for (const std::size_t i : order) {
     if (!is_wanted[i]) continue;
     const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
-    const bool is_blended = material.key.alpha_mode == AlphaMode::blend && pass.quantity == Quantity::light;
+    const bool is_blended = pass.blend_part == BlendPart::rest;
     // What may be drawn in any order goes together with its neighbours.
     const bool is_sorted = is_blended || material.is_transmissive() || pass.quantity == Quantity::object_id ||
                            (pass.has_areas && area_of_draw_[i] >= 0) || pass.has_probes;
@@ -546,7 +550,7 @@ void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKe
     while (!is_sorted && end < is_wanted.size() && is_wanted[end] && gpu_.are_alike(end, i)) ++end;
     for (std::size_t k = first; k < end; ++k) is_wanted[k] = false;
     const std::size_t count = end - first;
-    if (!material.is_double_sided) {
+    if (!has_both_sides(material)) {
       glEnable(GL_CULL_FACE);
       glCullFace(GL_BACK);
       draw_some(first, count, pass);
@@ -579,13 +583,9 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   std::vector<std::size_t> opaque, transmissive, blended;
   for (std::size_t i = 0; i < gpu_.draws().size(); ++i) {
     const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
-    if (material.key.alpha_mode == AlphaMode::blend) {
-      blended.push_back(i);
-    } else if (material.is_transmissive()) {
-      transmissive.push_back(i);
-    } else {
-      opaque.push_back(i);
-    }
+    if (material.is_blended()) blended.push_back(i);
+    if (material.is_blended() && !material.has_opaque_part) continue;
+    (material.is_transmissive() ? transmissive : opaque).push_back(i);
   }
   const auto depth = [&](std::size_t i) { return glm::dot(camera.eye - gpu_.draws()[i].center, camera.back); };
   const auto near_first = [&](std::size_t a, std::size_t b) { return depth(a) < depth(b); };
@@ -602,6 +602,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   const bool has_far_light = expects_light_ || !probes_.empty();
   const bool has_occlusion = settings_.occlusion_radius > 0.0f && has_far_light;
   if (has_occlusion) draw_occlusion(opaque, camera);
+  find_depth_layers(transmissive, blended, camera);
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   glClearDepthf(1.0f);
@@ -612,6 +613,9 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
 
   PassKey pass;
   pass.has_lights = lights_.count + lights_.area_count > 0;
+  pass.has_veils = has_veils_;
+  pass.is_in_body = body_ >= 0;
+  pass.blend_part = BlendPart::opaque;
   if (is_of_surface(settings_.quantity)) {
     draw_quantity(settings_.quantity, camera);
     resolve(resolved_framebuffer_);
@@ -647,6 +651,9 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
 
   if (!transmissive.empty() || !blended.empty()) {
     pass.has_opaque_picture = gpu_.has_lobe(shade::kLobeTransmission);
+    // What is blended and lies behind glass stands in the picture that the glass shows.
+    const bool is_split = !transmissive.empty() && !blended.empty();
+    if (is_split) draw_blended(blended, pass, camera, GlassSide::not_before);
     if (pass.has_opaque_picture) {
       resolve(picture_framebuffer_);
       glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
@@ -654,12 +661,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
       glGenerateMipmap(GL_TEXTURE_2D);
     }
     draw_surfaces(transmissive, pass, camera);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    glDepthMask(GL_FALSE);
-    draw_surfaces(blended, pass, camera);
-    glDepthMask(GL_TRUE);
-    glDisable(GL_BLEND);
+    draw_blended(blended, pass, camera, is_split ? GlassSide::before : GlassSide::any);
   }
   resolve(resolved_framebuffer_);
   gl::check("drawing");

@@ -55,6 +55,9 @@ class Renderer {
     gl::Texture specular, diffuse, sheen;
   };
 
+  /// Which of the blended surfaces are drawn where there is glass: all, those before it or the others.
+  enum class GlassSide { any, before, not_before };
+
   /// A picture to draw into.
   struct Target {
     gl::Framebuffer framebuffer;
@@ -70,9 +73,21 @@ class Renderer {
   void tell_left_out(const GpuMaterial& material, std::uint32_t slots);
   void find_area_lights(Diagnostics& diagnostics);
   void draw_shadows();
-  void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks);
+  void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_cut_out);
   void draw_scattering(const FrameCamera& camera);
   void draw_background(const FrameCamera& camera);
+  /// Whether to the eye a material has both sides.
+  bool has_both_sides(const GpuMaterial& material) const;
+  bool casts_veil(const GpuMaterial& material) const;
+  void draw_veils();
+  bool draw_layer(const std::vector<std::size_t>& order, const mat4& clip_from_world, DepthPass pass, bool is_culled,
+                  GLuint last_layer = 0);
+  void make_depth_layers();
+  void attach_depth_layer(int layer);
+  void find_depth_layers(const std::vector<std::size_t>& transmissive, const std::vector<std::size_t>& blended,
+                         const FrameCamera& camera);
+  int find_slices(const std::vector<std::size_t>& blended, const FrameCamera& camera);
+  void draw_blended(const std::vector<std::size_t>& blended, PassKey pass, const FrameCamera& camera, GlassSide side);
   /// Draws those of `order` with the programs of `pass`.
   void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
   void bind_probe(std::size_t draw, const gl::Program& program);
@@ -108,6 +123,14 @@ class Renderer {
   std::array<gl::Texture, 2> scattered_;  ///< light that spreads, and how wide
   std::array<gl::Renderbuffer, 2> scattered_samples_;
   std::array<gl::Framebuffer, 2> scattered_framebuffer_;
+  bool has_veils_ = false;     ///< blended surfaces dim the lamps of the frame
+  int body_ = -1;              ///< the material of the body that the eye is in
+  int slice_count_ = 0;        ///< of the frame's blended surfaces
+  glm::ivec4 slice_{-1};       ///< which of them is drawn, as the shader has it
+  glm::ivec3 layers_size_{0};  ///< of depth_layers_
+  gl::Texture veils_, veil_depth_, depth_layers_;
+  std::array<gl::Texture, 2> last_layers_;
+  gl::Framebuffer veil_framebuffer_, copy_framebuffer_, layer_framebuffer_;
   gl::Sampler depth_sampler_;  ///< reads shadow maps without comparing
   gl::Texture resolved_, opaque_picture_;
   gl::Framebuffer resolved_framebuffer_, picture_framebuffer_, shadow_framebuffer_;
