@@ -1,6 +1,8 @@
 // What of Renderer is about surfaces that something shows through: the order in which they are drawn, how they dim the
 // light of lamps, and the body that the eye may be in.
 
+#include <algorithm>
+
 #include "raster/renderer.h"
 
 namespace candela::raster {
@@ -35,25 +37,30 @@ bool Renderer::casts_veil(const GpuMaterial& material) const {
 }
 
 /// Depth of the blended surfaces of `order`, and what passes them. Returns whether there was any.
-bool Renderer::draw_layer(const std::vector<std::size_t>& order, const mat4& clip_from_world, DepthPass pass,
-                          bool is_culled, GLuint last_layer) {
+bool Renderer::draw_layer(std::vector<std::size_t> order, const mat4& clip_from_world, DepthPass pass, GLenum culled,
+                          GLuint last_layer) {
   using Query = gl::Name<glGenQueries, glDeleteQueries>;
   const Query query;
   glBeginQuery(GL_ANY_SAMPLES_PASSED, query);
-  for (const std::size_t i : order) {
+  std::sort(order.begin(), order.end());
+  for (std::size_t k = 0, end = 0; k < order.size(); k = end) {
+    // Neighbours that are alike go together.
+    end = k + 1;
+    const std::size_t i = order[k];
+    while (end < order.size() && order[end] == i + (end - k) && gpu_.are_alike(i, order[end])) ++end;
     const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
     const gl::Program& program = programs_.depth(material.key, pass);
     glUseProgram(program.id());
     glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &clip_from_world[0][0]);
     gpu_.bind_material(material, program);
     if (last_layer != 0) program.bind("last_layer", GL_TEXTURE_2D, last_layer);
-    if (is_culled && !has_both_sides(material)) {
+    if (culled != GL_NONE && !has_both_sides(material)) {
       glEnable(GL_CULL_FACE);
-      glCullFace(GL_BACK);
+      glCullFace(culled);
     } else {
       glDisable(GL_CULL_FACE);
     }
-    gpu_.draw(i);
+    gpu_.draw(i, end - k);
   }
   glEndQuery(GL_ANY_SAMPLES_PASSED);
   GLuint is_any = 0;
@@ -89,7 +96,7 @@ void Renderer::draw_veils() {
     glClearColor(1.0f, 1.0f, 1.0f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glColorMask(GL_TRUE, GL_FALSE, GL_FALSE, GL_FALSE);
-    const bool is_any = draw_layer(casters, clip_from_world, DepthPass::first_veil, false);
+    const bool is_any = draw_layer(casters, clip_from_world, DepthPass::first_veil, GL_NONE);
     glBindFramebuffer(GL_FRAMEBUFFER, copy_framebuffer_);
     glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadows_, 0, layers + layer);
     draw_no_color();
@@ -100,7 +107,7 @@ void Renderer::draw_veils() {
     glBindFramebuffer(GL_FRAMEBUFFER, copy_framebuffer_);
     glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadows_, 0, 2 * layers + layer);
     glClear(GL_DEPTH_BUFFER_BIT);
-    if (is_any) draw_layer(casters, clip_from_world, DepthPass::next_layer, false, veil_depth_);
+    if (is_any) draw_layer(casters, clip_from_world, DepthPass::next_layer, GL_NONE, veil_depth_);
 
     // ----- all of them
     glBindFramebuffer(GL_FRAMEBUFFER, veil_framebuffer_);
@@ -108,7 +115,7 @@ void Renderer::draw_veils() {
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ZERO, GL_SRC_COLOR);
-    if (is_any) draw_layer(casters, clip_from_world, DepthPass::passing_veil, false);
+    if (is_any) draw_layer(casters, clip_from_world, DepthPass::passing_veil, GL_NONE);
     glDisable(GL_BLEND);
     glEnable(GL_DEPTH_TEST);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -139,13 +146,19 @@ void Renderer::attach_depth_layer(int layer) {
 void Renderer::find_depth_layers(const std::vector<std::size_t>& transmissive, const std::vector<std::size_t>& blended,
                                  const FrameCamera& camera) {
   slice_count_ = 0;
+  has_glass_before_blended_ = false;
   if (is_of_surface(settings_.quantity) || (blended.empty() && body_ < 0)) return;
   make_depth_layers();
   glClearDepthf(1.0f);
-  if (!blended.empty() && !transmissive.empty()) {
+  std::vector<std::size_t> blended_glass;
+  std::copy_if(blended.begin(), blended.end(), std::back_inserter(blended_glass),
+               [&](std::size_t i) { return gpu_.material_of(gpu_.draws()[i]).is_transmissive(); });
+  has_glass_before_blended_ = blended_glass.size() < blended.size() && !(transmissive.empty() && blended_glass.empty());
+  if (has_glass_before_blended_) {
     attach_depth_layer(kGlassLayer);
     glClear(GL_DEPTH_BUFFER_BIT);
     draw_depth(transmissive, camera, true);
+    draw_layer(blended_glass, camera.clip_from_world, DepthPass::first_layer, GL_BACK);
   }
   if (body_ >= 0) {
     std::vector<std::size_t> boundary;
@@ -175,8 +188,8 @@ int Renderer::find_slices(const std::vector<std::size_t>& blended, const FrameCa
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, here, 0);
     draw_no_color();
     glClear(GL_DEPTH_BUFFER_BIT);
-    const bool is_any = k == 0 ? draw_layer(seen, camera.clip_from_world, DepthPass::first_layer, true)
-                               : draw_layer(seen, camera.clip_from_world, DepthPass::next_layer, true, last);
+    const bool is_any = k == 0 ? draw_layer(seen, camera.clip_from_world, DepthPass::first_layer, GL_BACK)
+                               : draw_layer(seen, camera.clip_from_world, DepthPass::next_layer, GL_BACK, last);
     if (!is_any) return std::max(k, 1);  // a pixel whose middle nothing covers may have covered samples
     attach_depth_layer(kFirstSlice + k);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, layer_framebuffer_);
@@ -186,19 +199,25 @@ int Renderer::find_slices(const std::vector<std::size_t>& blended, const FrameCa
 }
 
 /// What is blended, a slice of depth after the other from far to near. Each slice lies between two layers, so that
-/// every fragment is drawn once, also that of a pixel of which it covers no more than an edge; within a slice, and
-/// farther than the last layer, draws are sorted by their middles.
+/// every fragment is drawn once, also that of a pixel of which it covers no more than an edge; farther than the last
+/// layer that there is room for, draws are sorted by their middles.
 void Renderer::draw_blended(const std::vector<std::size_t>& blended, PassKey pass, const FrameCamera& camera,
                             GlassSide side) {
   if (slice_count_ == 0) return;
   pass.blend_part = BlendPart::rest;
+  // Glass reads the picture, which has to be there.
+  std::vector<std::size_t> order;
+  std::copy_if(blended.begin(), blended.end(), std::back_inserter(order), [&](std::size_t i) {
+    return side != GlassSide::not_before || !gpu_.material_of(gpu_.draws()[i]).is_transmissive();
+  });
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
   for (int k = slice_count_ - 1; k >= 0; --k) {
+    is_slice_deep_ = k + 1 == kMostSlices;
     slice_ = {k == 0 ? -1 : kFirstSlice + k - 1, k + 1 == slice_count_ ? -1 : kFirstSlice + k,
               side == GlassSide::any ? -1 : kGlassLayer, side == GlassSide::before ? 1 : 0};
-    draw_surfaces(blended, pass, camera);
+    draw_surfaces(order, pass, camera);
   }
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);

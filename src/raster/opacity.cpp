@@ -70,6 +70,7 @@ AlphaMode drawn_mode(const Material& material, const AlphaRange& range) {
 }
 
 float mean_opacity(const Scene& scene, const Primitive& primitive, const Material& material) {
+  if (material.alpha_mode == AlphaMode::opaque) return 1.0f;
   const AlphaRange range = alpha_of_material(scene, material) * alpha_of_vertices(primitive);
   if (drawn_mode(material, range) == AlphaMode::opaque) return 1.0f;
   const TextureSlot& slot = material.base_color_texture;

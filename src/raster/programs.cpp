@@ -265,6 +265,10 @@ const gl::Program& Programs::fullscreen(const std::string& fragment, const std::
   return *program;
 }
 
+const gl::Program& Programs::occlusion(bool has_culled) {
+  return fullscreen("occlusion.frag.glsl", has_culled ? define("HAS_CULLED") : "");
+}
+
 const gl::Program& Programs::background(bool has_panorama, int sun_count) {
   return fullscreen("background.frag.glsl",
                     (has_panorama ? define("HAS_PANORAMA") : "") + (sun_count > 0 ? define("kSuns", sun_count) : ""));

@@ -85,6 +85,8 @@ class Programs {
   const gl::Program& depth(const MaterialKey& material, DepthPass pass = DepthPass::solid);
   /// A fragment shader over the whole picture: "present.frag.glsl".
   const gl::Program& fullscreen(const std::string& fragment, const std::string& preamble = {});
+  /// `has_culled`: there are surfaces that the eye does not see, and light does.
+  const gl::Program& occlusion(bool has_culled);
   const gl::Program& background(bool has_panorama, int sun_count);
 
   /// Forgets what was compiled, so that changed files are read again.

@@ -85,9 +85,10 @@ void apply_vignetting(const View& view, Image& image) {
 
 std::uint64_t picture_bytes(const Settings& settings) {
   const auto pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
-  // Colour of half floats and depth per sample, two resolved pictures with mips, three copies in floats, the layers.
+  // Colour of half floats and depth per sample, two resolved pictures with mips, twelve depths where something is
+  // blended, three copies in floats, the layers.
   const auto samples = static_cast<std::uint64_t>(settings.msaa);
-  return pixels * (samples * 12 + 24 + 48 + film_bytes_per_pixel(settings.layers));
+  return pixels * (samples * 12 + 24 + 48 + 48 + film_bytes_per_pixel(settings.layers));
 }
 
 struct Session::Parts {

@@ -364,10 +364,31 @@ void Renderer::make_occlusion_targets() {
   const GLenum none = GL_NONE;
   glDrawBuffers(1, &none);
   check_framebuffer("a map of depth");
+  make(culled_map_, culled_framebuffer_, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT);
+  glDrawBuffers(1, &none);
+  check_framebuffer("a map of depth");
   for (std::size_t i = 0; i < visibility_.size(); ++i) {
     make(visibility_[i], visibility_framebuffer_[i], GL_RG16F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0);
     check_framebuffer("half floats");
   }
+}
+
+/// Depth of what the eye does not see because it looks at its back: light meets both sides. Returns whether there is
+/// any.
+bool Renderer::draw_culled(const std::vector<std::size_t>& opaque, const FrameCamera& camera) {
+  std::vector<std::size_t> single_sided;
+  std::copy_if(opaque.begin(), opaque.end(), std::back_inserter(single_sided), [&](std::size_t i) {
+    const Draw& d = gpu_.draws()[i];
+    return !has_both_sides(gpu_.material_of(d)) && !is_outside(camera.clip_from_world, d.bounds);
+  });
+  const int w = (settings_.width + 1) / 2, h = (settings_.height + 1) / 2;
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, culled_framebuffer_);
+  glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, culled_framebuffer_);
+  glDepthFunc(GL_LESS);
+  const bool is_any = draw_layer(single_sided, camera.clip_from_world, DepthPass::solid, GL_FRONT);
+  glDepthFunc(GL_LEQUAL);
+  return is_any;
 }
 
 void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const FrameCamera& camera) {
@@ -377,14 +398,16 @@ void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const Fram
   glClearDepthf(1.0f);
   glClear(GL_DEPTH_BUFFER_BIT);
   draw_depth(opaque, camera, true);
+  const bool has_culled = draw_culled(opaque, camera);
 
   // ----- horizons, then their mean
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);
   glBindVertexArray(nothing_);
   glBindFramebuffer(GL_FRAMEBUFFER, visibility_framebuffer_[0]);
-  const gl::Program& horizons = programs_.fullscreen("occlusion.frag.glsl");
+  const gl::Program& horizons = programs_.occlusion(has_culled);
   glUseProgram(horizons.id());
+  horizons.bind("culled_map", GL_TEXTURE_2D, culled_map_);
   horizons.bind("depth_map", GL_TEXTURE_2D, depth_map_);
   glUniformMatrix4fv(horizons.uniform("clip_from_camera"), 1, GL_FALSE, &camera.clip_from_camera[0][0]);
   const float pixels = 0.25f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1];
@@ -499,7 +522,10 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
   bind_light(program);
   if (pass.has_probes) bind_probe(first, program);
   if (pass.has_areas) glUniform1i(program.uniform("own_area"), area_of_draw_[first]);
-  if (pass.blend_part == BlendPart::rest) glUniform4iv(program.uniform("depth_slice"), 1, &slice_.x);
+  if (pass.blend_part == BlendPart::rest) {
+    glUniform4i(program.uniform("depth_slice"), slice_.x, slice_.y, material.is_transmissive() ? -1 : slice_.z,
+                slice_.w);
+  }
   if (pass.is_in_body) {
     const vec3 extinction = volume_extinction(scene_->materials[static_cast<std::size_t>(body_)]);
     glUniform3fv(program.uniform("body_extinction"), 1, &extinction.x);
@@ -543,8 +569,9 @@ void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKe
     const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
     const bool is_blended = pass.blend_part == BlendPart::rest;
     // What may be drawn in any order goes together with its neighbours.
-    const bool is_sorted = is_blended || material.is_transmissive() || pass.quantity == Quantity::object_id ||
-                           (pass.has_areas && area_of_draw_[i] >= 0) || pass.has_probes;
+    const bool is_sorted = (is_blended && is_slice_deep_) || material.is_transmissive() ||
+                           pass.quantity == Quantity::object_id || (pass.has_areas && area_of_draw_[i] >= 0) ||
+                           pass.has_probes;
     std::size_t first = i, end = i + 1;
     while (!is_sorted && first > 0 && is_wanted[first - 1] && gpu_.are_alike(first - 1, i)) --first;
     while (!is_sorted && end < is_wanted.size() && is_wanted[end] && gpu_.are_alike(end, i)) ++end;
@@ -554,7 +581,7 @@ void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKe
       glEnable(GL_CULL_FACE);
       glCullFace(GL_BACK);
       draw_some(first, count, pass);
-    } else if (is_blended) {
+    } else if (is_blended && is_slice_deep_) {
       // Far sides before near ones.
       glEnable(GL_CULL_FACE);
       for (const GLenum side : {GLenum{GL_FRONT}, GLenum{GL_BACK}}) {
@@ -652,7 +679,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   if (!transmissive.empty() || !blended.empty()) {
     pass.has_opaque_picture = gpu_.has_lobe(shade::kLobeTransmission);
     // What is blended and lies behind glass stands in the picture that the glass shows.
-    const bool is_split = !transmissive.empty() && !blended.empty();
+    const bool is_split = has_glass_before_blended_;
     if (is_split) draw_blended(blended, pass, camera, GlassSide::not_before);
     if (pass.has_opaque_picture) {
       resolve(picture_framebuffer_);
