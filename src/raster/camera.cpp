@@ -1,6 +1,7 @@
 #include "raster/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace candela::raster {
@@ -67,6 +68,26 @@ FrameCamera frame_camera(const View& view, int width, int height, DepthRange ran
   }
   camera.clip_from_world = camera.clip_from_camera * glm::inverse(camera.world_from_camera);
   return camera;
+}
+
+bool is_outside(const mat4& clip_from_world, const Box3& box) {
+  std::array<int, 6> outside{};
+  for (int i = 0; i < 8; ++i) {
+    const vec4 c =
+        clip_from_world * vec4((i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
+                               (i & 4) != 0 ? box.upper.z : box.lower.z, 1.0f);
+    for (int axis = 0; axis < 3; ++axis) {
+      outside[static_cast<std::size_t>(2 * axis)] += c[axis] < -c.w ? 1 : 0;
+      outside[static_cast<std::size_t>(2 * axis + 1)] += c[axis] > c.w ? 1 : 0;
+    }
+  }
+  return std::any_of(outside.begin(), outside.end(), [](int n) { return n == 8; });
+}
+
+bool is_beside(const mat4& clip_from_world, const Box3& box) {
+  mat4 endless = clip_from_world;
+  for (int i = 0; i < 4; ++i) endless[i][2] = 0.0f;
+  return is_outside(endless, box);
 }
 
 }  // namespace candela::raster

@@ -34,4 +34,9 @@ FrameCamera frame_camera(const View& view, int width, int height, DepthRange ran
 mat4 perspective_projection(vec2 low, vec2 high, float near);
 mat4 orthographic_projection(vec2 low, vec2 high, float near, float far);
 
+/// Whether a box lies wholly outside one plane of what a camera sees.
+bool is_outside(const mat4& clip_from_world, const Box3& box);
+/// Whether it lies wholly beside a view, wherever along it.
+bool is_beside(const mat4& clip_from_world, const Box3& box);
+
 }  // namespace candela::raster

@@ -52,7 +52,7 @@ bool is_scattering(const Material& m) {
 MaterialBlock make_block(const Material& m) {
   MaterialBlock b;
   b.base_color = vec4(m.base_color, m.opacity);
-  b.emission = vec4(m.emission, m.alpha_cutoff);
+  b.emission = vec4(m.emission, drawn_cutoff(m.alpha_cutoff));
   b.metallic_roughness = {m.metallic, m.roughness, m.ior, m.specular};
   b.specular_color = vec4(m.specular_color, m.normal_scale);
   b.coat = {m.clearcoat, m.clearcoat_roughness, m.clearcoat_normal_scale, m.occlusion_strength};
@@ -194,6 +194,7 @@ void GpuScene::set_geometry(const Scene& scene) {
     add_mesh(mesh);
   }
   first_primitive_.push_back(primitives_.size());
+  find_alpha_modes(scene);
   add_draws(scene);
   gl::check("uploading the scene");
 }
@@ -227,6 +228,34 @@ void GpuScene::add_mesh(const Mesh& mesh) {
   }
 }
 
+/// What the vertices of all its meshes, and the nodes that hold these, leave of a material's alpha decides how it is
+/// drawn.
+void GpuScene::find_alpha_modes(const Scene& scene) {
+  constexpr AlphaRange kNone{kInfinity, 0.0f};
+  std::vector<AlphaRange> nodes(scene.meshes.size(), kNone);
+  for (const Node& node : scene.nodes) {
+    if (node.mesh < 0) continue;
+    AlphaRange& range = nodes[static_cast<std::size_t>(node.mesh)];
+    range = {std::min(range.least, node.color.w), std::max(range.most, node.color.w)};
+  }
+  std::vector<AlphaRange> vertices(materials_.size(), kNone);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    if (nodes[m].least == kInfinity) continue;
+    for (const Primitive& p : scene.meshes[m].primitives) {
+      const auto k = static_cast<std::size_t>(p.material);
+      if (scene.materials[k].alpha_mode == AlphaMode::opaque) continue;
+      const AlphaRange range = alpha_of_vertices(p) * nodes[m];
+      vertices[k] = {std::min(vertices[k].least, range.least), std::max(vertices[k].most, range.most)};
+    }
+  }
+  for (std::size_t k = 0; k < materials_.size(); ++k) {
+    if (scene.materials[k].alpha_mode == AlphaMode::opaque || vertices[k].least == kInfinity) continue;
+    const AlphaRange range = materials_[k].alpha * vertices[k];
+    materials_[k].key.alpha_mode = drawn_mode(scene.materials[k], range);
+    materials_[k].has_opaque_part = materials_[k].is_blended() && range.most >= kOpaqueAlpha;
+  }
+}
+
 void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
   GLint alignment = 256;
   glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
@@ -240,6 +269,7 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
     gpu.name = m.name.empty() ? "material " + std::to_string(number_of(scene.materials, k)) : m.name;
     gpu.key = make_key(m, model);
     gpu.is_double_sided = m.double_sided;
+    if (m.alpha_mode != AlphaMode::opaque) gpu.alpha = alpha_of_material(scene, m);
     gpu.block = static_cast<GLintptr>(stride * k);
     const MaterialBlock block = make_block(m);
     std::memcpy(blocks.data() + gpu.block, &block, sizeof block);

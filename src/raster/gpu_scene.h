@@ -7,6 +7,7 @@
 
 #include "base/diagnostics.h"
 #include "gl/gl.h"
+#include "raster/opacity.h"
 #include "raster/packing.h"
 #include "raster/programs.h"
 #include "scene/scene.h"
@@ -31,8 +32,12 @@ struct GpuMaterial {
   std::array<GLuint, kSlots> textures{};  ///< 0 where the slot is empty
   std::array<GLuint, kSlots> samplers{};
   bool is_double_sided = false;
+  AlphaRange alpha;              ///< of factor and texture
+  bool has_opaque_part = false;  ///< blended, and somewhere nothing shows through
 
   bool is_transmissive() const;
+  /// Whether something may show through: what is left of BLEND where it is not opaque.
+  bool is_blended() const { return key.alpha_mode == AlphaMode::blend; }
 };
 
 /// A primitive of a node.
@@ -100,6 +105,7 @@ class GpuScene {
 
  private:
   void add_mesh(const Mesh& mesh);
+  void find_alpha_modes(const Scene& scene);
   void add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
   void add_draws(const Scene& scene);
   void place_draws(const Scene& scene);

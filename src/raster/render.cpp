@@ -76,11 +76,12 @@ void apply_vignetting(const View& view, Image& image) {
 
 std::uint64_t picture_bytes(const Settings& settings) {
   const auto pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
-  // Colour of half floats and depth per sample, two resolved pictures with mips, three copies in floats, the layers.
+  // Colour of half floats and depth per sample, two resolved pictures with mips, twelve depths where something is
+  // blended, three copies in floats, the layers.
   const auto samples = static_cast<std::uint64_t>(settings.msaa);
   const std::uint64_t through =
       settings.background == Background::transparent && !settings.environment_in_glass ? samples * 8 + 8 + 48 : 0;
-  return pixels * (samples * 12 + 24 + 48 + through + film_bytes_per_pixel(settings.layers));
+  return pixels * (samples * 12 + 24 + 48 + 48 + through + film_bytes_per_pixel(settings.layers));
 }
 
 struct Session::Parts {

@@ -6,6 +6,8 @@
 
 #include "base/error.h"
 #include "ibl/source.h"
+#include "raster/body.h"
+#include "scene/surface_params.h"
 #include "shade/surface_params.glsl.h"
 #include "shade/tables.glsl.h"
 
@@ -51,28 +53,6 @@ void check_framebuffer(const char* what) {
 
 /// Whether all light is shown.
 bool is_whole(Quantity quantity) { return quantity == Quantity::light || quantity == Quantity::luminance; }
-
-/// Whether a box lies wholly outside one plane of what the camera sees.
-bool is_outside(const mat4& clip_from_world, const Box3& box) {
-  std::array<int, 6> outside{};
-  for (int i = 0; i < 8; ++i) {
-    const vec4 c =
-        clip_from_world * vec4((i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
-                               (i & 4) != 0 ? box.upper.z : box.lower.z, 1.0f);
-    for (int axis = 0; axis < 3; ++axis) {
-      outside[static_cast<std::size_t>(2 * axis)] += c[axis] < -c.w ? 1 : 0;
-      outside[static_cast<std::size_t>(2 * axis + 1)] += c[axis] > c.w ? 1 : 0;
-    }
-  }
-  return std::any_of(outside.begin(), outside.end(), [](int n) { return n == 8; });
-}
-
-/// Whether a box lies wholly beside a view, wherever along it.
-bool is_beside(const mat4& clip_from_world, const Box3& box) {
-  mat4 endless = clip_from_world;
-  for (int i = 0; i < 4; ++i) endless[i][2] = 0.0f;
-  return is_outside(endless, box);
-}
 
 void upload_triangles(const std::vector<uvec3>& triangles, GpuTriangles& gpu) {
   gpu.index_count = static_cast<GLsizei>(3 * triangles.size());
@@ -354,6 +334,7 @@ void Renderer::begin(const View& view, LightPoint point) {
   Diagnostics& diagnostics = is_begun_ ? told_ : diagnostics_;
   is_begun_ = true;
   is_moved_light_ = point != LightPoint(0.5f);
+  body_ = camera.is_perspective ? body_around(*scene_, vec3(view.world_from_camera[3])) : -1;
   const float radius = settings_.has_soft_shadows ? settings_.light_radius : 0.0f;
   lights_ = collect_lights(*scene_, environment_, gpu_, camera, settings_.has_soft_shadows ? point : LightPoint(0.5f),
                            radius, shadow_views(areas_), diagnostics);
@@ -369,8 +350,11 @@ void Renderer::begin(const View& view, LightPoint point) {
 void Renderer::draw_shadows() {
   glBindTexture(GL_TEXTURE_2D_ARRAY, shadows_);
   const GLsizei layers = std::max(lights_.shadow_count, 1), size = lights_.shadow_count > 0 ? lights_.shadow_size : 1;
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT32F, size, size, layers, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
-               nullptr);
+  has_veils_ = lights_.shadow_count > 0 && std::any_of(gpu_.draws().begin(), gpu_.draws().end(),
+                                                       [&](const Draw& d) { return casts_veil(gpu_.material_of(d)); });
+  // Behind the maps of what is opaque, those of the first and of the second blended surface.
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT32F, size, size, has_veils_ ? 3 * layers : layers, 0,
+               GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
   filter(GL_TEXTURE_2D_ARRAY, GL_LINEAR, GL_LINEAR);
   wrap(GL_TEXTURE_2D_ARRAY, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
@@ -393,8 +377,16 @@ void Renderer::draw_shadows() {
     glClear(GL_DEPTH_BUFFER_BIT);
     draw_casters(layer);
   }
+  if (has_veils_) draw_veils();
   glDepthFunc(GL_LEQUAL);
   gl::check("drawing shadows");
+}
+
+void Renderer::use_shadow_program(const gl::Program& program, const ShadowEntry& shadow) {
+  glUseProgram(program.id());
+  glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &shadow.from_world[0][0]);
+  // Nothing is too near for parallel rays.
+  glUniform1f(program.uniform("near"), shadow.is_perspective != 0 ? shadow.near : 0.5f);
 }
 
 void Renderer::draw_casters(int layer) {
@@ -405,7 +397,7 @@ void Renderer::draw_casters(int layer) {
     if (is_lamp(i) && beside_lamps_.find({owner, i}) == beside_lamps_.end()) return false;
     const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
     // What lets light through casts no hard shadow.
-    if (material.key.alpha_mode == AlphaMode::blend || material.is_transmissive()) return false;
+    if ((material.is_blended() && !material.has_opaque_part) || material.is_transmissive()) return false;
     return !is_beside(shadow.from_world, gpu_.draws()[i].bounds);
   };
   for (std::size_t i = 0, end = 0; i < gpu_.draws().size(); i = end) {
@@ -413,12 +405,9 @@ void Renderer::draw_casters(int layer) {
     if (!casts(i)) continue;
     while (!is_lamp(i) && end < gpu_.draws().size() && gpu_.are_alike(i, end) && casts(end) && !is_lamp(end)) ++end;
     const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
-    const gl::Program& program = programs_.shadow(material.key);
-    glUseProgram(program.id());
-    glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &shadow.from_world[0][0]);
-    // Nothing is too near for parallel rays.
-    glUniform1f(program.uniform("near"), shadow.is_perspective != 0 ? shadow.near : 0.5f);
-    if (material.key.alpha_mode == AlphaMode::mask) gpu_.bind_material(material, program);
+    const gl::Program& program = programs_.depth(material.key, DepthPass::solid, true);
+    use_shadow_program(program, shadow);
+    if (material.key.alpha_mode != AlphaMode::opaque) gpu_.bind_material(material, program);
     if (is_lamp(i)) {
       gpu_.draw(i, beside_lamps_.at({owner, i}));
     } else {
@@ -463,6 +452,8 @@ void Renderer::bind_light(const gl::Program& program) const {
   program.bind("light_profiles", GL_TEXTURE_2D_ARRAY, profiles_);
   program.bind("opaque_picture", GL_TEXTURE_2D, opaque_picture_);
   program.bind("screen_visibility", GL_TEXTURE_2D, visibility_[1]);
+  program.bind("veils", GL_TEXTURE_2D_ARRAY, veils_);
+  program.bind("depth_layers", GL_TEXTURE_2D_ARRAY, depth_layers_);
 }
 
 void Renderer::make_occlusion_targets() {
@@ -481,10 +472,31 @@ void Renderer::make_occlusion_targets() {
   const GLenum none = GL_NONE;
   glDrawBuffers(1, &none);
   check_framebuffer("a map of depth");
+  make(culled_map_, culled_framebuffer_, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT);
+  glDrawBuffers(1, &none);
+  check_framebuffer("a map of depth");
   for (std::size_t i = 0; i < visibility_.size(); ++i) {
     make(visibility_[i], visibility_framebuffer_[i], GL_RG16F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0);
     check_framebuffer("half floats");
   }
+}
+
+/// Depth of what the eye does not see because it looks at its back: light meets both sides. Returns whether there is
+/// any.
+bool Renderer::draw_culled(const std::vector<std::size_t>& opaque, const FrameCamera& camera) {
+  std::vector<std::size_t> single_sided;
+  std::copy_if(opaque.begin(), opaque.end(), std::back_inserter(single_sided), [&](std::size_t i) {
+    const Draw& d = gpu_.draws()[i];
+    return !has_both_sides(gpu_.material_of(d)) && !is_outside(camera.clip_from_world, d.bounds);
+  });
+  const int w = (settings_.width + 1) / 2, h = (settings_.height + 1) / 2;
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, culled_framebuffer_);
+  glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, culled_framebuffer_);
+  glDepthFunc(GL_LESS);
+  const bool is_any = draw_layer(single_sided, camera.clip_from_world, DepthPass::solid, GL_FRONT);
+  glDepthFunc(GL_LEQUAL);
+  return is_any;
 }
 
 void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const FrameCamera& camera) {
@@ -494,14 +506,16 @@ void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const Fram
   glClearDepthf(1.0f);
   glClear(GL_DEPTH_BUFFER_BIT);
   draw_depth(opaque, camera, true);
+  const bool has_culled = draw_culled(opaque, camera);
 
   // ----- horizons, then their mean
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);
   glBindVertexArray(nothing_);
   glBindFramebuffer(GL_FRAMEBUFFER, visibility_framebuffer_[0]);
-  const gl::Program& horizons = programs_.fullscreen("occlusion.frag.glsl");
+  const gl::Program& horizons = programs_.occlusion(has_culled);
   glUseProgram(horizons.id());
+  horizons.bind("culled_map", GL_TEXTURE_2D, culled_map_);
   horizons.bind("depth_map", GL_TEXTURE_2D, depth_map_);
   glUniformMatrix4fv(horizons.uniform("clip_from_camera"), 1, GL_FALSE, &camera.clip_from_camera[0][0]);
   const float pixels = 0.25f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1];
@@ -615,23 +629,36 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
   bind_light(program);
   if (pass.has_probes) bind_probe(first, program);
   if (pass.has_areas) glUniform1i(program.uniform("own_areas"), own_areas_[first]);
+  if (pass.blend_part == BlendPart::rest) {
+    glUniform4i(program.uniform("depth_slice"), slice_.x, slice_.y, material.is_transmissive() ? -1 : slice_.z,
+                slice_.w);
+  }
+  if (pass.is_in_body) {
+    const vec3 extinction = volume_extinction(scene_->materials[static_cast<std::size_t>(body_)]);
+    glUniform3fv(program.uniform("body_extinction"), 1, &extinction.x);
+  }
   if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.number + 1));
   gpu_.bind_material(material, program);
   gpu_.draw(first, count);
 }
 
-/// Depth alone, masks cut out or left out.
-void Renderer::draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks) {
+/// In a body the eye sees its boundary from behind; glTF: doubleSided does not matter to it.
+bool Renderer::has_both_sides(const GpuMaterial& material) const {
+  return material.is_double_sided || (body_ >= 0 && material.key.has_body);
+}
+
+/// Depth alone; masks and blended surfaces are cut out or left out.
+void Renderer::draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_cut_out) {
   for (const std::size_t i : order) {
     const Draw& d = gpu_.draws()[i];
     const GpuMaterial& material = gpu_.material_of(d);
-    const bool is_mask = material.key.alpha_mode == AlphaMode::mask;
-    if ((is_mask && !has_masks) || is_outside(camera.clip_from_world, d.bounds)) continue;
+    const bool is_cut_out = material.key.alpha_mode != AlphaMode::opaque;
+    if ((is_cut_out && !has_cut_out) || is_outside(camera.clip_from_world, d.bounds)) continue;
     const gl::Program& program = programs_.depth(material.key);
     glUseProgram(program.id());
     glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &camera.clip_from_world[0][0]);
-    if (is_mask) gpu_.bind_material(material, program);
-    if (material.is_double_sided) {
+    if (is_cut_out) gpu_.bind_material(material, program);
+    if (has_both_sides(material)) {
       glDisable(GL_CULL_FACE);
     } else {
       glEnable(GL_CULL_FACE);
@@ -647,20 +674,21 @@ void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKe
   for (const std::size_t i : order) {
     if (!is_wanted[i]) continue;
     const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
-    const bool is_blended = material.key.alpha_mode == AlphaMode::blend && pass.quantity == Quantity::light;
+    const bool is_blended = pass.blend_part == BlendPart::rest;
     // What may be drawn in any order goes together with its neighbours.
-    const bool is_sorted = is_blended || material.is_transmissive() || pass.quantity == Quantity::object_id ||
-                           (pass.has_areas && own_areas_[i] != 0) || pass.has_probes;
+    const bool is_sorted = (is_blended && is_slice_deep_) || material.is_transmissive() ||
+                           pass.quantity == Quantity::object_id || (pass.has_areas && own_areas_[i] != 0) ||
+                           pass.has_probes;
     std::size_t first = i, end = i + 1;
     while (!is_sorted && first > 0 && is_wanted[first - 1] && gpu_.are_alike(first - 1, i)) --first;
     while (!is_sorted && end < is_wanted.size() && is_wanted[end] && gpu_.are_alike(end, i)) ++end;
     for (std::size_t k = first; k < end; ++k) is_wanted[k] = false;
     const std::size_t count = end - first;
-    if (!material.is_double_sided) {
+    if (!has_both_sides(material)) {
       glEnable(GL_CULL_FACE);
       glCullFace(GL_BACK);
       draw_some(first, count, pass);
-    } else if (is_blended) {
+    } else if (is_blended && is_slice_deep_) {
       // Far sides before near ones.
       glEnable(GL_CULL_FACE);
       for (const GLenum side : {GLenum{GL_FRONT}, GLenum{GL_BACK}}) {
@@ -698,13 +726,9 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   std::vector<std::size_t> opaque, transmissive, blended;
   for (std::size_t i = 0; i < gpu_.draws().size(); ++i) {
     const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
-    if (material.key.alpha_mode == AlphaMode::blend) {
-      blended.push_back(i);
-    } else if (material.is_transmissive()) {
-      transmissive.push_back(i);
-    } else {
-      opaque.push_back(i);
-    }
+    if (material.is_blended()) blended.push_back(i);
+    if (material.is_blended() && !material.has_opaque_part) continue;
+    (material.is_transmissive() ? transmissive : opaque).push_back(i);
   }
   const auto depth = [&](std::size_t i) { return glm::dot(camera.eye - gpu_.draws()[i].center, camera.back); };
   const auto near_first = [&](std::size_t a, std::size_t b) { return depth(a) < depth(b); };
@@ -721,6 +745,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   const bool has_far_light = expects_light_ || !probes_.empty();
   const bool has_occlusion = settings_.occlusion_radius > 0.0f && has_far_light;
   if (has_occlusion) draw_occlusion(opaque, camera);
+  find_depth_layers(transmissive, blended, camera);
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   glClearDepthf(1.0f);
@@ -730,6 +755,9 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
 
   PassKey pass;
   pass.has_lights = lights_.count + lights_.area_count > 0;
+  pass.has_veils = has_veils_;
+  pass.is_in_body = body_ >= 0;
+  pass.blend_part = BlendPart::opaque;
   if (is_of_surface(settings_.quantity)) {
     draw_quantity(settings_.quantity, camera);
     resolve(resolved_framebuffer_);
@@ -765,6 +793,9 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
 
   if (!transmissive.empty() || !blended.empty()) {
     pass.has_opaque_picture = gpu_.has_lobe(shade::kLobeTransmission);
+    // What is blended and lies behind glass stands in the picture that the glass shows.
+    const bool is_split = has_glass_before_blended_;
+    if (is_split) draw_blended(blended, pass, camera, GlassSide::not_before);
     if (pass.has_opaque_picture) {
       resolve(picture_framebuffer_);
       glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
@@ -778,12 +809,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
       glClearBufferfv(GL_COLOR, 3, nothing.data());
     }
     draw_surfaces(transmissive, pass, camera);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    glDepthMask(GL_FALSE);
-    draw_surfaces(blended, pass, camera);
-    glDepthMask(GL_TRUE);
-    glDisable(GL_BLEND);
+    draw_blended(blended, pass, camera, is_split ? GlassSide::before : GlassSide::any);
   }
   resolve(resolved_framebuffer_);
   if (has_through_) resolve_through();

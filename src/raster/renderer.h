@@ -60,6 +60,9 @@ class Renderer {
     gl::Texture specular, diffuse, sheen;
   };
 
+  /// Which of the blended surfaces are drawn where there is glass: all, those before it or the others.
+  enum class GlassSide { any, before, not_before };
+
   /// A picture to draw into.
   struct Target {
     gl::Framebuffer framebuffer;
@@ -77,9 +80,24 @@ class Renderer {
   View relative(View view) const;
   void draw_shadows();
   void draw_casters(int layer);
-  void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks);
+  /// Ready to draw into a shadow map.
+  static void use_shadow_program(const gl::Program& program, const ShadowEntry& shadow);
+  void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_cut_out);
   void draw_scattering(const FrameCamera& camera);
   void draw_background(const FrameCamera& camera);
+  bool draw_culled(const std::vector<std::size_t>& opaque, const FrameCamera& camera);
+  /// Whether to the eye a material has both sides.
+  bool has_both_sides(const GpuMaterial& material) const;
+  bool casts_veil(const GpuMaterial& material) const;
+  void draw_veils();
+  bool draw_layer(std::vector<std::size_t> order, const mat4& clip_from_world, DepthPass pass, GLenum culled,
+                  GLuint last_layer = 0, const ShadowEntry* shadow = nullptr);
+  void make_depth_layers();
+  void attach_depth_layer(int layer);
+  void find_depth_layers(const std::vector<std::size_t>& transmissive, const std::vector<std::size_t>& blended,
+                         const FrameCamera& camera);
+  int find_slices(const std::vector<std::size_t>& blended, const FrameCamera& camera);
+  void draw_blended(const std::vector<std::size_t>& blended, PassKey pass, const FrameCamera& camera, GlassSide side);
   /// Draws those of `order` with the programs of `pass`.
   void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
   void bind_probe(std::size_t draw, const gl::Program& program);
@@ -112,14 +130,24 @@ class Renderer {
   int light_levels_ = 1;
   int picture_levels_ = 1;
   gl::Texture table_, ggx_table_, specular_, diffuse_, sheen_, profiles_, shadows_, panorama_;
-  gl::Texture depth_map_;
+  gl::Texture depth_map_, culled_map_;
   std::array<gl::Texture, 2> visibility_;  ///< as found, and its mean
-  gl::Framebuffer depth_framebuffer_;
+  gl::Framebuffer depth_framebuffer_, culled_framebuffer_;
   std::array<gl::Framebuffer, 2> visibility_framebuffer_;
   bool has_scattering_ = false;           ///< something in the scene spreads light, and the picture shows it
   std::array<gl::Texture, 2> scattered_;  ///< light that spreads, and how wide
   std::array<gl::Renderbuffer, 2> scattered_samples_;
   std::array<gl::Framebuffer, 2> scattered_framebuffer_;
+  bool has_veils_ = false;                 ///< blended surfaces dim the lamps of the frame
+  int body_ = -1;                          ///< the material of the body that the eye is in
+  int slice_count_ = 0;                    ///< of the frame's blended surfaces
+  bool is_slice_deep_ = false;             ///< several surfaces may lie in the slice that is drawn
+  bool has_glass_before_blended_ = false;  ///< or behind it
+  glm::ivec4 slice_{-1};                   ///< which of them is drawn, as the shader has it
+  glm::ivec3 layers_size_{0};              ///< of depth_layers_
+  gl::Texture veils_, veil_depth_, depth_layers_;
+  std::array<gl::Texture, 2> last_layers_;
+  gl::Framebuffer veil_framebuffer_, copy_framebuffer_, layer_framebuffer_;
   gl::Sampler depth_sampler_;  ///< reads shadow maps without comparing
   bool has_through_ = false;   ///< glass shows a background that is not in the picture
   gl::Texture through_;

@@ -52,8 +52,13 @@ layout(std140) uniform Lights {
 
 uniform highp sampler2DArrayShadow shadow_maps;
 uniform highp sampler2DArray light_profiles;
-#ifdef HAS_SOFT_SHADOWS
+#if defined(HAS_SOFT_SHADOWS) || defined(HAS_VEILS)
 uniform highp sampler2DArray shadow_depths;  // the same maps, to be read rather than compared with
+#endif
+#ifdef HAS_VEILS
+// What share of light passes the first blended surface, and all of them. Their depths, those of the first and of the
+// second, lie in shadow_depths behind the maps of what is opaque.
+uniform highp sampler2DArray veils;
 #endif
 
 /// Where map `layer` has a point, and at what depth.
@@ -76,9 +81,10 @@ float shadow_distance(int layer, float depth) {
 }
 
 /// Width of the penumbra over that of the map: what stands at the mean distance of what stands in the way, of a light of
-/// this radius (of a directional one: tangent of its angular radius). 0 where nothing does. Fernando 2005,
+/// this radius (of a directional one: tangent of its angular radius). 0 where nothing does. `map` is which of the maps
+/// of the light's `layer` says what stands there. Fernando 2005,
 /// "Percentage-Closer Soft Shadows".
-float shadow_penumbra(int layer, vec3 at, vec2 tilt, float receiver, float radius, float turn) {
+float shadow_penumbra(int layer, int map, vec3 at, vec2 tilt, float receiver, float radius, float turn) {
   const int kTaps = 12;
   bool is_perspective = shadows[layer].is_perspective == 1;
   float size = float(textureSize(shadow_depths, 0).x);
@@ -90,7 +96,7 @@ float shadow_penumbra(int layer, vec3 at, vec2 tilt, float receiver, float radiu
   for (int i = 0; i < kTaps; ++i) {
     float r = sqrt((float(i) + 0.5) / float(kTaps)), phi = 2.39996323 * float(i) + turn;
     vec2 offset = vec2(cos(phi), sin(phi)) * (r * search);
-    float d = texture(shadow_depths, vec3(at.xy + offset, float(layer))).x;
+    float d = texture(shadow_depths, vec3(at.xy + offset, float(map))).x;
     if (d > at.z + dot(tilt, offset) + slack) {
       sum += shadow_distance(layer, d);
       count += 1.0;
@@ -106,7 +112,7 @@ float shadow_softly(int layer, vec3 at, vec2 tilt, float radius) {
   const int kTaps = 16;
   float turn = 6.2831853 * fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))) + noise_turn);
   float size = float(textureSize(shadow_depths, 0).x);
-  float penumbra = shadow_penumbra(layer, at, tilt, shadow_distance(layer, at.z), radius, turn);
+  float penumbra = shadow_penumbra(layer, layer, at, tilt, shadow_distance(layer, at.z), radius, turn);
   penumbra = clamp(penumbra, 1.0 / size, 0.1);
   float slack = 2.0 * shadow_slack(layer, at.z);
   float sum = 0.0;
@@ -117,6 +123,53 @@ float shadow_softly(int layer, vec3 at, vec2 tilt, float radius) {
   }
   return sum / float(kTaps);
 }
+#endif
+
+#ifdef HAS_VEILS
+/// What share of light comes to a depth of map `layer` through the blended surfaces in one texel.
+float veil_at(int layer, ivec2 texel, float depth) {
+  ivec3 size = textureSize(veils, 0);
+  texel = clamp(texel, ivec2(0), size.xy - 1);
+  if (depth >= texelFetch(shadow_depths, ivec3(texel, size.z + layer), 0).x) return 1.0;
+  vec2 passing = texelFetch(veils, ivec3(texel, layer), 0).xy;
+  return depth >= texelFetch(shadow_depths, ivec3(texel, 2 * size.z + layer), 0).x ? passing.x : passing.y;
+}
+
+/// The same by a tent of three texels, as what is opaque.
+float veil_passing(int layer, vec3 at) {
+  vec2 p = at.xy * vec2(textureSize(veils, 0).xy);
+  ivec2 texel = ivec2(floor(p));
+  vec2 off = p - vec2(texel) - 0.5;
+  vec3 wx = vec3(0.25 - 0.5 * off.x, 0.5, 0.25 + 0.5 * off.x), wy = vec3(0.25 - 0.5 * off.y, 0.5, 0.25 + 0.5 * off.y);
+  float z = at.z + shadow_slack(layer, at.z);
+  float sum = 0.0;
+  for (int i = 0; i < 9; ++i) {
+    sum += wx[i % 3] * wy[i / 3] * veil_at(layer, texel + ivec2(i % 3 - 1, i / 3 - 1), z);
+  }
+  return sum;
+}
+
+#ifdef HAS_SOFT_SHADOWS
+/// The same from a light with an extent.
+float veil_softly(int layer, vec3 at, vec2 tilt, float radius) {
+  const int kTaps = 16;
+  float turn = 6.2831853 * fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))) + noise_turn);
+  ivec3 size = textureSize(veils, 0);
+  float penumbra = shadow_penumbra(layer, size.z + layer, at, tilt, shadow_distance(layer, at.z), radius, turn);
+  penumbra = clamp(penumbra, 1.0 / float(size.x), 0.1);
+  float slack = 2.0 * shadow_slack(layer, at.z);
+  float sum = 0.0;
+  for (int i = 0; i < kTaps; ++i) {
+    float r = sqrt((float(i) + 0.5) / float(kTaps)), phi = 2.39996323 * float(i) + turn;
+    vec2 offset = vec2(cos(phi), sin(phi)) * (r * penumbra);
+    sum += veil_at(layer, ivec2(floor((at.xy + offset) * vec2(size.xy))), at.z + dot(tilt, offset) + slack);
+  }
+  return sum / float(kTaps);
+}
+#endif
+#endif
+
+#ifdef HAS_SOFT_SHADOWS
 
 /// How the depth of the plane of a surface changes over the map: a filter as wide as a light must not find the surface in
 /// its own way. In a perspective map, too, a plane's depth is linear.
@@ -146,17 +199,26 @@ float shadow_in(int layer, vec3 position, vec3 normal, float n_dot_l, float radi
   // Of a picture of many frames each has a hard shadow from a point of its own.
   radius *= shadow_share;
   if (radius > 0.0 && shadow_share > 0.18) {
-    return shadow_softly(layer, at, shadow_tilt(layer, at, moved, normal, 4.0 * texel), radius);
+    vec2 tilt = shadow_tilt(layer, at, moved, normal, 4.0 * texel);
+    float arriving = shadow_softly(layer, at, tilt, radius);
+#ifdef HAS_VEILS
+    arriving *= veil_softly(layer, at, tilt, radius);
+#endif
+    return arriving;
   }
 #endif
   // Four taps half a texel off, each weighing four texels: a tent three texels wide.
   vec2 d = 0.5 / vec2(textureSize(shadow_maps, 0).xy);
   float z = at.z + shadow_slack(layer, at.z);
   float l = float(layer);
-  return 0.25 * (texture(shadow_maps, vec4(at.x - d.x, at.y - d.y, l, z)) +
-                 texture(shadow_maps, vec4(at.x + d.x, at.y - d.y, l, z)) +
-                 texture(shadow_maps, vec4(at.x - d.x, at.y + d.y, l, z)) +
-                 texture(shadow_maps, vec4(at.x + d.x, at.y + d.y, l, z)));
+  float arriving = 0.25 * (texture(shadow_maps, vec4(at.x - d.x, at.y - d.y, l, z)) +
+                           texture(shadow_maps, vec4(at.x + d.x, at.y - d.y, l, z)) +
+                           texture(shadow_maps, vec4(at.x - d.x, at.y + d.y, l, z)) +
+                           texture(shadow_maps, vec4(at.x + d.x, at.y + d.y, l, z)));
+#ifdef HAS_VEILS
+  arriving *= veil_passing(layer, at);
+#endif
+  return arriving;
 }
 
 /// Which cascade of a directional light holds a point: the finest that does.

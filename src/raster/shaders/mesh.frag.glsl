@@ -39,6 +39,20 @@ uniform highp sampler2D opaque_picture;
 #if defined(SHOW) && SHOW == SHOW_id
 uniform float object_id;
 #endif
+#if (defined(BLENDED_PART) || defined(IN_BODY)) && !defined(SHOW)
+#include "layer_slack.glsl"
+
+// Depths of this picture: of the nearest glass, of the boundary of the body that the eye is in, then of blended surfaces
+// from near to far.
+uniform highp sampler2DArray depth_layers;
+#endif
+#if defined(BLENDED_PART) && !defined(SHOW)
+uniform ivec4 depth_slice;  // the layers between which a draw shows what is there, or -1; that of glass, or -1; 1: what
+                            // is before it, 0: all else
+#endif
+#ifdef IN_BODY
+uniform vec3 body_extinction;
+#endif
 
 layout(location = 0) out vec4 o_color;
 #if defined(HAS_SCATTERING) && !defined(SHOW)
@@ -398,6 +412,19 @@ vec3 behind(vec3 exit, vec3 direction, float alpha, out float open) {
 }
 
 vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open) {
+  float seen_open;
+#if defined(IN_BODY) && defined(HAS_BODY)
+  if (!gl_FrontFacing) {
+    // Out of the body that the eye is in. What is outside is taken to be as far from the boundary as the eye.
+    float n = max(params.ior, 1.0);
+    vec3 outside = refract(-p.wo, p.normal, n);
+    if (dot(outside, outside) < 0.5) outside = -p.wo;
+    float far_alpha = alpha * clamp(2.0 * n - 2.0, 0.0, 1.0);
+    vec3 seen = behind(v_position + outside * distance(eye, v_position), outside, far_alpha, seen_open);
+    open = vec3(seen_open);
+    return seen;
+  }
+#endif
   float thickness = 0.0;
 #ifdef HAS_BODY
   thickness = transmission.y * v_scale;
@@ -405,7 +432,6 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open
   thickness *= thickness_texel().g;
 #endif
 #endif
-  float seen_open;
   // Of a body one boundary is drawn, which takes half of its colour; the other half is the far one's.
   vec3 left = params.is_thin ? vec3(1.0) : sqrt(params.base_color);
   if (params.is_thin || thickness <= 0.0) {
@@ -591,6 +617,9 @@ Shading prepare(bool is_back) {
   Point p = make_point(is_back);
   SurfaceParams params = fetch_params();
   params.roughness = max(antialiased_roughness(params.roughness, p.normal), least_roughness);
+#if defined(IN_BODY) && defined(HAS_BODY)
+  if (is_back) params.eta = 1.0 / max(params.ior, 1.0);
+#endif
 
   // ----- the local frame
   vec3 t = p.tangent - p.normal * dot(p.normal, p.tangent);
@@ -731,6 +760,29 @@ vec4 quantity(float opacity) {
 }
 #endif
 
+#if defined(BLENDED_PART) && !defined(SHOW)
+/// Whether another draw shows what is here.
+bool is_elsewhere() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float depth = gl_FragCoord.z - layer_slack();
+  if (depth_slice.x >= 0 && depth <= texelFetch(depth_layers, ivec3(at, depth_slice.x), 0).x) return true;
+  if (depth_slice.y >= 0 && depth > texelFetch(depth_layers, ivec3(at, depth_slice.y), 0).x) return true;
+  if (depth_slice.z < 0) return false;
+  float glass = texelFetch(depth_layers, ivec3(at, depth_slice.z), 0).x;
+  bool is_before_glass = glass < 1.0 && depth <= glass;
+  return is_before_glass != (depth_slice.w == 1);
+}
+#endif
+
+#ifdef IN_BODY
+/// What is left of light on its way to the eye in a body, from here or from where it enters the body.
+vec3 passing_body() {
+  float boundary = texelFetch(depth_layers, ivec3(ivec2(gl_FragCoord.xy), 1), 0).x;
+  if (gl_FragCoord.z - layer_slack() > boundary) return vec3(1.0);
+  return exp(-body_extinction * distance(eye.xyz, v_position));
+}
+#endif
+
 void main() {
   float opacity = 1.0;
 #ifdef HAS_height
@@ -754,6 +806,13 @@ void main() {
 #endif
 #ifdef ALPHA_BLEND
   opacity = clamp(fetch_opacity(), 0.0, 1.0);
+#ifdef OPAQUE_PART
+  if (opacity < kOpaqueAlpha) discard;
+  opacity = 1.0;
+#endif
+#if defined(BLENDED_PART) && !defined(SHOW)
+  if (opacity >= kWholeAlpha || opacity < kLeastAlpha || is_elsewhere()) discard;
+#endif
 #endif
 #ifdef SHOW
 #if SHOW != SHOW_opacity && SHOW != SHOW_overdraw
@@ -766,6 +825,16 @@ void main() {
 #endif
 #ifdef HAS_THROUGH
   o_through = vec4(seen_through, 1.0);
+#endif
+#if defined(IN_BODY) && !defined(SHOW)
+  vec3 passing = passing_body();
+  o_color.rgb *= passing;
+#ifdef HAS_SCATTERING
+  o_scattered.rgb *= passing;
+#endif
+#ifdef HAS_THROUGH
+  o_through.rgb *= passing;
+#endif
 #endif
 #if defined(ALPHA_BLEND) && !defined(SHOW)
   o_color = o_color * opacity;
