@@ -256,7 +256,7 @@ TEST_F(unit_image_exr_meaning, luminance_and_chroma_agree_with_openexrs_own_read
   std::vector<Imf::Rgba> pixels;
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x)
-      pixels.emplace_back(0.5f + 0.4f * std::sin(0.1f * static_cast<float>(x)),
+      pixels.emplace_back(0.5f + 0.2f * std::sin(0.1f * static_cast<float>(x)),
                           0.5f + 0.3f * std::cos(0.1f * static_cast<float>(y)), 0.3f + 0.004f * static_cast<float>(x),
                           1.0f);
   const Imf::Chromaticities p3(V2f(0.68f, 0.32f), V2f(0.265f, 0.69f), V2f(0.15f, 0.06f), V2f(0.3127f, 0.329f));
