@@ -318,13 +318,25 @@ TEST(unit_scene_environment, bad_files_are_errors_that_name_the_file) {
   EXPECT_NO_THROW(make_environment((folder / "good.exr").string()));
   write_exr_map(folder / "square.exr", 8, 8, 2.0f);
   std::ofstream(folder / "text.hdr") << "this is no picture";
-  for (const char* name : {"square.exr", "text.hdr", "absent.hdr", "good.exr:absent", "absent.exr:albedo"}) {
+  for (const char* name : {"square.exr", "text.hdr", "absent.hdr", "absent.exr:albedo"}) {
     try {
       make_environment((folder / name).string());
       ADD_FAILURE() << name << " was accepted";
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     }
+  }
+}
+
+TEST(unit_scene_environment, an_absent_layer_is_an_error_that_names_both) {
+  const test::TempFolder folder;
+  write_exr_map(folder / "good.exr", 8, 4, 2.0f);
+  try {
+    make_environment((folder / "good.exr:albedo").string());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.where(), (folder / "good.exr").string());
+    EXPECT_NE(error.message().find("\"albedo\""), std::string::npos) << error.message();
   }
 }
 
