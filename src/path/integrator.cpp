@@ -64,9 +64,12 @@ vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& 
 
   Ray shadow;
   shadow.origin = point.ray_origin(light.direction);
-  vec3 transmittance = meeting.place.transmittance(context.geometry, meeting.ray, meeting.hit, !is_outside,
-                                                   light.direction, shadow.origin);
-  if (max_component(transmittance) <= 0.0f) return vec3(0.0f);
+  vec3 transmittance(1.0f);
+  if (!meeting.place.is_simple(!is_outside)) {
+    transmittance = meeting.place.transmittance(context.geometry, meeting.ray, meeting.hit, !is_outside,
+                                                light.direction, shadow.origin);
+    if (max_component(transmittance) <= 0.0f) return vec3(0.0f);
+  }
   shadow.direction = light.direction;
   if (light.distance < kInfinity) {
     const vec3 to_light = light.target - shadow.origin;
@@ -240,7 +243,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     }
     if (is_straight) {
       if constexpr (kHasMedia) {
-        if (crossing.is_hidden) walk.cross(crossing);
+        walk.cross(crossing);
       }
       // A surface passed without a turn is no vertex; but no path goes on forever.
       if (++passed > kMostPassed) break;
@@ -248,7 +251,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     }
 
     // ----- on to what else is at this place, or along a ray
-    if (step(context, place, ray, hit, direction, is_through, is_eye)) continue;
+    if (!place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye)) continue;
     ray = {};
     ray.origin = point.ray_origin(direction);
     ray.direction = direction;
@@ -332,7 +335,7 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
       --depth;
     }
 
-    if (step(context, place, ray, hit, direction, is_through, is_eye)) continue;
+    if (!place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye)) continue;
     ray = {};
     ray.origin = point.ray_origin(direction);
     ray.direction = direction;

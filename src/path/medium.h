@@ -38,6 +38,8 @@ class MediumStack {
   const Medium* below_top() const { return count_ > 1 ? entries_[count_ - 2].medium : nullptr; }
   bool holds(int body) const { return find(body) >= 0; }
   bool is_top(int body) const { return count_ > 0 && entries_[count_ - 1].body == body; }
+  /// The body entered last; 0 = none.
+  int top() const { return count_ > 0 ? entries_[count_ - 1].body : 0; }
   bool empty() const { return count_ == 0; }
   /// The body entered last of those that `condition` holds for; 0 = none.
   template <class Condition>

@@ -11,6 +11,11 @@ namespace candela::path {
 /// goes from one to the next by their order along the ray that came here, and never loses one.
 class Place {
  public:
+  Place() {}  // NOLINT(modernize-use-equals-default): hits_ is left as it is, for the sake of paths that need none
+
+  /// Whether a path that leaves the surface, through it or back, has no other to ask for here.
+  bool is_simple(bool is_through) const { return count_ == 0 && !is_through; }
+
   /// From the surface `hit`, that `ray` has met, through it or back. True with the next surface at this place in `hit`;
   /// false when there is none, and a ray has to find it.
   bool step(const Geometry& geometry, const Ray& ray, Hit& hit, bool is_through);
@@ -35,8 +40,12 @@ class Place {
   int count_ = 0;  ///< 0 = only the surface that the ray met
   int index_ = 0;
   int sense_ = 1;  ///< 1 on the way that the ray came, -1 back
-  Ray arrival_{};
-  std::array<Hit, kMost> hits_;
+  union {
+    Ray arrival_;
+  };
+  union {
+    std::array<Hit, kMost> hits_;  ///< the first count_ hold something
+  };
 };
 
 }  // namespace candela::path

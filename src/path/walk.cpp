@@ -57,8 +57,17 @@ float Walk::index_of(const Medium* medium) const {
 
 Crossing Walk::find_crossing(const PathContext& context, const Hit& hit, vec3 direction, float u_wavelength) {
   const Placement& placement = context.geometry.placement(hit.placement);
+  const std::vector<Body>& bodies = context.geometry.bodies();
+  const auto is_open = [&](int body) { return bodies[static_cast<std::size_t>(body)].is_open; };
   Crossing crossing;
-  if (placement.body == 0) return crossing;
+  if (placement.body == 0) {
+    // A thin sheet may be the lid of a body that is open without it.
+    const int top = media_.top();
+    if (top == 0 || !is_open(top) || !is_back_hit(context.geometry, hit, direction)) return crossing;
+    crossing.body = top;
+    crossing.inside = media_.current();
+    return crossing;
+  }
   const MaterialData& material = *placement.mesh->material;
   crossing.body = placement.body;
   crossing.inside = &material.medium;
@@ -68,8 +77,6 @@ Crossing Walk::find_crossing(const PathContext& context, const Hit& hit, vec3 di
     is_within = media_.holds(crossing.body);
     // Faces that no edge joins may yet bound one body: the way out of an open one ends the open one entered last.
     if (!is_within) {
-      const std::vector<Body>& bodies = context.geometry.bodies();
-      const auto is_open = [&](int body) { return bodies[static_cast<std::size_t>(body)].is_open; };
       const int open = is_open(crossing.body) ? media_.last(is_open) : 0;
       if (open != 0) {
         crossing.body = open;

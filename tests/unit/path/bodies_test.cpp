@@ -116,6 +116,25 @@ TEST(unit_path_bodies, a_body_of_several_materials_primitives_and_nodes_ends) {
   }
 }
 
+TEST(unit_path_bodies, a_lid_of_another_kind_ends_a_body) {
+  const auto is_far = [](int face) { return face == kFar; };
+  const auto is_not_far = [](int face) { return face != kFar; };
+  const float inside = 0.2f;  // what a lamp lid shows
+  Material sheet = tinted();
+  sheet.thickness = 0.0f;
+  sheet.base_color = {1.0f, 0.5f, 1.0f};
+  SceneBuilder b;
+  b.add(faces(kLower, kUpper, is_not_far), tinted());
+  b.add(faces(kLower, kUpper, is_far), sheet);
+  expect_color(seen(b, along_z(5, 0.4f)), kTint * sheet.base_color, 0.02f, "a thin sheet");
+  SceneBuilder c;
+  c.add(faces(kLower, kUpper, is_not_far), tinted());
+  Material opaque = lamp(vec3(inside));
+  opaque.double_sided = true;
+  c.add(faces(kLower, kUpper, is_far), opaque);
+  expect_color(seen(c, along_z(5, 0.4f)), inside * kTint, 5e-3f, "an opaque lid");
+}
+
 TEST(unit_path_bodies, parts_of_a_body_are_found_by_their_edges) {
   const auto is_far = [](int face) { return face == kFar; };
   const auto is_not_far = [](int face) { return face != kFar; };
