@@ -208,7 +208,7 @@ void Job::find_converged() {
 }
 
 NoiseReached Job::noise_reached() const {
-  const float reference = accumulator_.mean_luminance();
+  const Accumulator::Reference reference = accumulator_.reference();
   NoiseReached reached;
   std::size_t above = 0;
   for (int y = 0; y < settings_.height; ++y) {
