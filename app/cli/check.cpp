@@ -116,7 +116,11 @@ Verdict judge_file(const std::string& name) {
     Diagnostics diagnostics;
     io::FileInfo info;
     const Scene scene = io::load_gltf(name, diagnostics, {.refuse_unknown_required = false}, &info);
-    const FileSurvey survey = io::survey_gltf(name, {.decode_images = true});
+    // Of an image that did not decode the survey says so, too.
+    const bool has_lost_images =
+        std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
+                    [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
+    const FileSurvey survey = io::survey_gltf(name, {.decode_images = has_lost_images});
     Verdict verdict = verdict_of(name, {.scene = scene,
                                         .survey = &survey,
                                         .extensions_used = info.extensions_used,

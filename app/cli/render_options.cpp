@@ -42,7 +42,7 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
       ->group(group);
   add_value(verb, "--size", "WxH", o.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]")->group(group);
   add_value(verb, "--exposure", "auto|EV|f/N,1/T,ISO", o.exposure, parse_exposure,
-            "Metered, in stops, or as on a camera [the scene's wish; studio 0; else auto]")
+            "Metered, in stops, or as on a camera [the scene's wish; studio 0 unless outshone; else auto]")
       ->group(group);
   add_value(verb, "--tonemap", "CURVE", o.tone_curve, parse_tone_curve,
             "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")

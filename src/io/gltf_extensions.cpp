@@ -101,7 +101,7 @@ void sort_extensions(const GltfDocument& document, FileInfo& info) {
     if (is_in(kSupported, name)) continue;
     if (!places) places = document.extension_places();
     const auto found = places->find(name);
-    const bool is_about_asset = found == places->end() || found->second == std::set<std::string>{"asset"};
+    const bool is_about_asset = found != places->end() && found->second == std::set<std::string>{"asset"};
     (is_unseen(name) || is_about_asset ? info.extensions_unseen : info.extensions_ignored).push_back(name);
   }
   for (const std::string& name : info.extensions_required) {

@@ -7,7 +7,7 @@
 namespace candela::io {
 
 /// Sorts the extensions that a file uses and requires into what is ignored, what no picture shows and what is missing.
-/// One whose data stand nowhere, or describe the asset as a whole, changes no pixel whatever it is.
+/// One whose data describe the asset as a whole changes no pixel whatever it is.
 void sort_extensions(const GltfDocument& document, FileInfo& info);
 
 /// Tells of them: a warning for what is ignored, a note for what no picture shows; an Error for what is missing, or

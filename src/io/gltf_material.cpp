@@ -57,7 +57,7 @@ ImageSource image_source(const JsonView& json, std::size_t file_index, GltfBuffe
   try {
     if (view) source.bytes = buffers.view(*view).bytes;
   } catch (const Error& error) {
-    source.failure = error;
+    source.failure = Error(error.message(), source.label);
   }
   return source;
 }

@@ -1,5 +1,7 @@
 #include "io/gltf_survey.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -147,8 +149,11 @@ FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
     const ImageFormat format = sniff_image_format(bytes);
     image.format = format_name(format);
     if (format == ImageFormat::png) read_png_header(bytes, image);
-    load_image({source.json, source.label, source.file_index, bytes, std::nullopt, std::nullopt}, uris_, decode,
-               texels);
+    const auto read = load_image({source.json, source.label, source.file_index, bytes, std::nullopt, std::nullopt},
+                                 uris_, decode, texels);
+    if (read == nullptr) {
+      throw Error(fmt::format("the textures have more than {} texels in total", kMostTexels), source.label);
+    }
   } catch (const Error& error) {
     image.error = error.what();
   }

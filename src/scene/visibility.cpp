@@ -125,9 +125,9 @@ std::vector<vec3> sample_vertices(const Scene& scene) {
 
 std::optional<Diagnostic> find_far_vertex(const Scene& scene, const Box3& bounds) {
   // Framed, nine tenths of the vertices are less than a hundredth of the picture wide, and all surfaces together less
-  // than its ten-thousandth part: a few dots and hairlines. A floor as wide as that is something to see.
+  // than a two-hundredth part of it: a dot with a hairline to the stray. A floor as wide as that is something to see.
   constexpr float kSmall = 0.01f;
-  constexpr double kLeastShare = 1e-4;
+  constexpr double kLeastShare = 5e-3;
   const float whole = glm::length(bounds.size());
   std::vector<vec3> points = sample_vertices(scene);
   if (points.empty() || !(whole > 0.0f)) return std::nullopt;

@@ -377,8 +377,11 @@ TEST_F(law_raster, layers_are_those_of_the_path_tracer) {
   path::Settings traced = centred(kSize, 1, 1);
   raster::Settings settings = drawn(kSize);
   traced.layers = settings.layers = {Layer::albedo, Layer::normal, Layer::depth, Layer::position, Layer::object_id};
-  const Film expected = shoot(b.build(), constant_environment(vec3(1.0f)), sphere_view(), traced);
-  const Film found = draw(b.build(), constant_environment(vec3(1.0f)), sphere_view(), settings);
+  Scene scene = b.build();
+  scene.nodes[0].file_index = 41;
+  const Film expected = shoot(scene, constant_environment(vec3(1.0f)), sphere_view(), traced);
+  const Film found = draw(scene, constant_environment(vec3(1.0f)), sphere_view(), settings);
+  EXPECT_EQ(found.layers.at(Layer::object_id).rgb(kSize / 2, kSize / 2).x, 42.0f) << "the number of the file's node";
   for (const Layer layer : settings.layers) {
     const Image &e = expected.layers.at(layer), &f = found.layers.at(layer);
     ASSERT_EQ(e.channels, f.channels) << layer_name(layer);
@@ -389,6 +392,27 @@ TEST_F(law_raster, layers_are_those_of_the_path_tracer) {
     }
     EXPECT_LT(differing, static_cast<int>(e.pixels.size()) / 200) << layer_name(layer);
   }
+}
+
+TEST_F(law_raster, colours_of_nodes_are_those_of_the_path_tracer) {
+  // One mesh three times, of which a mask leaves two.
+  SceneBuilder b;
+  Material white = unlit(vec3(1.0f));
+  white.alpha_mode = AlphaMode::mask;
+  const int mesh = b.add_mesh(quad({-0.3f, -0.3f, 0}, {0.6f, 0, 0}, {0, 0.6f, 0}), b.add_material(white));
+  const std::array colors = {vec4(1, 0.1f, 0.1f, 1), vec4(0.1f, 1, 0.1f, 0.8f), vec4(0.1f, 0.1f, 1, 0.2f)};
+  for (int i = 0; i < 3; ++i) b.add_node(mesh, translation({0.7f * static_cast<float>(i - 1), 0, 0}));
+  Scene scene = b.build();
+  for (std::size_t i = 0; i < 3; ++i) scene.nodes[i].color = colors[i];
+  const Film expected = shoot(scene, dark_environment(), sphere_view(), centred(kSize, 1, 1));
+  const Film found = draw(scene, dark_environment(), sphere_view(), drawn(kSize));
+  EXPECT_LT(compare(expected.beauty, found.beauty, 0.02, 0.05).worst, 4e-3);
+  EXPECT_LT(glm::length(found.beauty.rgb(kSize / 2, kSize / 2) - vec3(colors[1])), 4e-3f);
+  // The twin: all of them white.
+  for (Node& node : scene.nodes) node.color = vec4(1.0f);
+  EXPECT_GT(
+      compare(expected.beauty, draw(scene, dark_environment(), sphere_view(), drawn(kSize)).beauty, 0.02, 0.05).worst,
+      0.1);
 }
 
 /// Σ |a - b| over Σ a.
