@@ -1,6 +1,7 @@
 #include "cli/bake_output.h"
 
 #include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"

@@ -113,9 +113,8 @@ Verb add_furnace(CLI::App& app) {
 
     ProgressLine progress(options->quiet);
     const auto telling = [&progress](const char* what) {
-      return [&progress, what](double share) {
-        progress.update(share, fmt::format("{} {:.0f} %", what, 100.0 * share));
-      };
+      return
+          [&progress, what](double share) { progress.update(share, fmt::format("{} {:.0f} %", what, 100.0 * share)); };
     };
     const Interrupt interrupt;
     const std::atomic<bool>& stop = Interrupt::requested();

@@ -84,7 +84,8 @@ int run(int argc, char** argv) {
   const Verb figures = add_figures(app);
   app.footer(
       "`candela VERB --help` tells more, with examples.\n"
-      "Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work left.");  // last, because verbs inherit it
+      "Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work "
+      "left.");  // last, because verbs inherit it
 
   try {
     app.parse(argc, argv);

@@ -20,8 +20,8 @@ class ProgressLine {
   void phase(const std::string& text);  ///< replaced by whatever comes next
   void update(const path::Progress& progress);
   void update(double fraction, const std::string& text);  ///< a bar for a share of the work, and words
-  void clear();                                            ///< before something else is printed on the terminal
-  void line(const std::string& text);  ///< stays on the screen
+  void clear();                                           ///< before something else is printed on the terminal
+  void line(const std::string& text);                     ///< stays on the screen
   void warn(const Diagnostic& warning);
 
  private:

@@ -378,9 +378,7 @@ void add(const path::Statistics& picture, path::Statistics& all) {
   all.noise->worst = std::max(all.noise->worst, picture.noise->worst);
 }
 
-const char* end_of(const path::Statistics& s) {
-  return s.interrupted ? "interrupt" : s.timed_out ? "time" : "samples";
-}
+const char* end_of(const path::Statistics& s) { return s.interrupted ? "interrupt" : s.timed_out ? "time" : "samples"; }
 
 /// A picture that is noisier than was asked for does not show it by itself.
 void warn_of_noise(const RenderOptions& o, const path::Statistics& s, Diagnostics& diagnostics) {
@@ -391,11 +389,11 @@ void warn_of_noise(const RenderOptions& o, const path::Statistics& s, Diagnostic
   const std::string worst =
       std::isfinite(s.noise->worst) ? fmt::format("{:.2g}", s.noise->worst) : std::string("unknown");
   const double percent = 100.0 * s.noise->share_above;
-  diagnostics.warn(fmt::format("the noise target {:g} was not reached in {} % of the pixels, the worst of which is {}: "
-                               "stopped by {}",
-                               *o.settings.noise, percent < 1.0 ? "less than 1" : fmt::format("{:.0f}", percent), worst,
-                               why),
-                   o.scene);
+  diagnostics.warn(
+      fmt::format("the noise target {:g} was not reached in {} % of the pixels, the worst of which is {}: "
+                  "stopped by {}",
+                  *o.settings.noise, percent < 1.0 ? "less than 1" : fmt::format("{:.0f}", percent), worst, why),
+      o.scene);
 }
 
 nlohmann::ordered_json noise_json(const RenderOptions& o, const path::Statistics& s) {
@@ -601,7 +599,8 @@ Outcome draw(const RenderOptions& o, Job& job, Shared& shared, Times& times, con
   };
   of_frames.stop = &Interrupt::requested();
   shared.raster(o.threads).set_probes(bake_probes(job.scene, job.environment, o.probes, kProbeSamples, of_probes));
-  shared.raster(o.threads).draw(job.scene, job.environment, views, settings, diagnostics, take, &statistics, moment, of_frames);
+  shared.raster(o.threads).draw(job.scene, job.environment, views, settings, diagnostics, take, &statistics, moment,
+                                of_frames);
   outcome.is_interrupted = statistics.interrupted;
   times.total_s = total.seconds();
   if (statistics.non_finite_pixels > 0) {
@@ -609,9 +608,9 @@ Outcome draw(const RenderOptions& o, Job& job, Shared& shared, Times& times, con
   }
   for (const std::string& output : o.outputs) {
     progress.line(fmt::format("{}{}: {}x{}, {} {} in {}, {} each, on {}", outcome.is_interrupted ? "interrupted, " : "",
-                              output, o.size.x, o.size.y, statistics.frames, statistics.frames == 1 ? "frame" : "frames",
-                              duration_text(times.total_s), duration_text(statistics.frame_s / statistics.frames),
-                              statistics.driver));
+                              output, o.size.x, o.size.y, statistics.frames,
+                              statistics.frames == 1 ? "frame" : "frames", duration_text(times.total_s),
+                              duration_text(statistics.frame_s / statistics.frames), statistics.driver));
   }
   if (o.stats) write_stats(o, raster_stats_json(o, statistics, times, diagnostics));
   return outcome;
@@ -672,9 +671,8 @@ Outcome render_scene(const RenderOptions& given, Inputs inputs, Shared& shared, 
   Times times{.load_s = total.seconds()};
   report_warnings(o, diagnostics, 0, progress);
   const std::size_t reported = diagnostics.warnings().size();
-  const Outcome outcome = o.engine == Engine::raster
-                              ? draw(o, job, shared, times, total, diagnostics, progress)
-                              : trace_all(o, job, threads, times, total, diagnostics, progress);
+  const Outcome outcome = o.engine == Engine::raster ? draw(o, job, shared, times, total, diagnostics, progress)
+                                                     : trace_all(o, job, threads, times, total, diagnostics, progress);
   report_warnings(o, diagnostics, reported, progress);
   return outcome;
 }

@@ -69,7 +69,7 @@ std::uint64_t fingerprint(std::span<const std::byte> bytes, std::uint64_t before
 }
 
 std::string file_identity(const fs::path& path) {
-  struct stat status{};
+  struct stat status {};
   if (stat(path.c_str(), &status) == 0) {
     return '#' + std::to_string(status.st_dev) + ':' + std::to_string(status.st_ino);
   }

@@ -12,8 +12,8 @@ namespace candela {
 void parallel_for(std::size_t begin, std::size_t end, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body);
 
-/// While alive, a raised flag ends what this thread has begun: its parallel_for throws Interrupted at the next sub-range,
-/// and so does check(). Null: nothing ends it.
+/// While alive, a raised flag ends what this thread has begun: its parallel_for throws Interrupted at the next
+/// sub-range, and so does check(). Null: nothing ends it.
 class StopScope {
  public:
   explicit StopScope(const std::atomic<bool>* stop);

@@ -152,7 +152,8 @@ class Baker {
 
 }  // namespace
 
-Bake bake(const Source& source, const BakeSettings& settings, const std::function<void(const BakeProgress&)>& progress) {
+Bake bake(const Source& source, const BakeSettings& settings,
+          const std::function<void(const BakeProgress&)>& progress) {
   check(settings);
   const StopScope scope(settings.stop);
   const std::vector<double> roughness =

@@ -25,8 +25,8 @@ struct BakeSettings {
   int irradiance_samples = 1024;
   int sh_order = 2;
   Window window = Window::none;
-  int proof_directions = 16;  ///< per level; 0 = no proof
-  double error = 0.0;         ///< relative, at the texels; above 0 each level is refined until it holds
+  int proof_directions = 16;                ///< per level; 0 = no proof
+  double error = 0.0;                       ///< relative, at the texels; above 0 each level is refined until it holds
   const std::atomic<bool>* stop = nullptr;  ///< once set, the bake ends with Interrupted
 };
 

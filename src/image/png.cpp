@@ -96,8 +96,7 @@ void run(PngReader& reader, void (*step)(PngReader&), const std::string& where) 
 
 /// Refuses what no texture may be, or what would take too much memory.
 void check_size(const PngReader& reader, const std::string& where) {
-  codec::check_texture_size(png_get_image_width(reader.png, reader.info),
-                            png_get_image_height(reader.png, reader.info),
+  codec::check_texture_size(png_get_image_width(reader.png, reader.info), png_get_image_height(reader.png, reader.info),
                             png_get_bit_depth(reader.png, reader.info) == 16 ? 8 : 4, where);
 }
 

@@ -70,8 +70,8 @@ struct Statistics {
   std::uint64_t triangles = 0;           ///< stored once per mesh
   std::uint64_t instances = 0;
   double mean_samples_per_pixel = 0.0;
-  bool interrupted = false;  ///< stopped by `Callbacks::stop`
-  bool timed_out = false;    ///< stopped by `Settings::time_limit_s`
+  bool interrupted = false;           ///< stopped by `Callbacks::stop`
+  bool timed_out = false;             ///< stopped by `Settings::time_limit_s`
   std::optional<NoiseReached> noise;  ///< where a target was set
 };
 

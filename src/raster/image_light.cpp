@@ -87,8 +87,7 @@ std::vector<CachedFile> read_files(const CacheFiles& files) {
 
 bool is_light(const Image& image, int size) {
   return image.width == size && image.height == size && image.channels == 3 &&
-         std::all_of(image.pixels.begin(), image.pixels.end(),
-                     [](float v) { return std::isfinite(v) && v >= 0.0f; });
+         std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v) && v >= 0.0f; });
 }
 
 /// A cube of `levels` from `size` on, with nothing in it that is no light. Throws Error.

@@ -93,7 +93,7 @@ class Raster(StopTest, RasterTest):
             master, slave = pty.openpty()
         except OSError as error:
             self.skipTest(f"no terminals here: {error}")
-        process = subprocess.Popen([PROGRAM, *self.LONG, "--turntable", "3", "--spp", "400", "-o", "%d.png"],
+        process = subprocess.Popen([PROGRAM, *self.LONG, "--turntable", "2", "--spp", "8", "-o", "%d.png"],
                                    cwd=self.folder, stderr=slave, env={**self.environment, "TERM": "xterm"})  # fmt: skip
         os.close(slave)
         seen = b""
@@ -107,7 +107,7 @@ class Raster(StopTest, RasterTest):
             seen += block
         os.close(master)
         self.assertEqual(process.wait(), 0)
-        self.assertRegex(seen.decode(), r"\r\[[#.]+\] picture \d of 3, frame \d+ of 400")
+        self.assertRegex(seen.decode(), r"\r\[[#.]+\] picture \d of 2, frame \d of 8")
 
 
 class Path(StopTest, CliTest):

@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> names_in(const fs::path& folder, const std::vector<io::ReferencedFile>& files) {
   std::vector<std::string> names;
-  for (const io::ReferencedFile& file : files) names.push_back(file.path.lexically_relative(folder).string() + file.place);
+  for (const io::ReferencedFile& file : files)
+    names.push_back(file.path.lexically_relative(folder).string() + file.place);
   std::sort(names.begin(), names.end());
   return names;
 }

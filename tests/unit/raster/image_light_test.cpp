@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include "base/file.h"
 #include "ibl/cube.h"
@@ -100,20 +101,25 @@ TEST(unit_raster_image_light, sealed_nonsense_is_not_believed) {
   const test::TempFolder folder;
   raster::bake_light(sloped(0.1f), false, folder.path());
   const std::string key = raster::light_key(sloped(0.1f), false);
-  const auto write_sealed = [&](const Cubemap& irradiance) {
+  // What the writer would put right is put into the file as it is.
+  constexpr float kMark = 12345.0f;
+  const auto write_sealed = [&](int size, float value) {
+    CubeFaces faces = make_cube_faces(size);
+    for (Image& face : faces) std::fill(face.pixels.begin(), face.pixels.end(), 1.0f);
+    faces[3].pixels[5] = kMark;
     const TextureOptions options{.format = TexelFormat::rgba32f, .zstd = false};
-    write_texture(folder / (key + ".irradiance.ktx2"), irradiance, options);
+    EncodingLoss loss;
+    std::vector<std::byte> bytes = encode_texture(cube_of_one_level(faces), options, loss, "t");
+    const auto mark = std::as_bytes(std::span(&kMark, 1)), nonsense = std::as_bytes(std::span(&value, 1));
+    const auto at = std::search(bytes.begin(), bytes.end(), mark.begin(), mark.end());
+    ASSERT_NE(at, bytes.end());
+    std::copy(nonsense.begin(), nonsense.end(), at);
+    write_file(folder / (key + ".irradiance.ktx2"), bytes);
     std::string seal = key + "\n";
     for (const char* end : {".irradiance.ktx2", ".ktx2"}) {
       seal += std::to_string(fingerprint(read_file(folder / (key + end)))) + "\n";
     }
     write_file(folder / (key + ".seal"), seal);
-  };
-  const auto cube = [](int size, float value) {
-    CubeFaces faces = make_cube_faces(size);
-    for (Image& face : faces) std::fill(face.pixels.begin(), face.pixels.end(), 1.0f);
-    faces[3].pixels[5] = value;
-    return cube_of_one_level(faces);
   };
   const auto is_believed = [&] {
     const BakedLight light = raster::bake_light(sloped(0.1f), false, folder.path());
@@ -123,13 +129,13 @@ TEST(unit_raster_image_light, sealed_nonsense_is_not_believed) {
     return light.is_cached;
   };
   const int size = raster::bake_light(sloped(0.1f), false, {}).irradiance[0].width;
-  write_sealed(cube(size, 1.0f));
+  write_sealed(size, 1.0f);
   EXPECT_TRUE(is_believed()) << "the test seals as the program does";
   for (const float value : {std::nanf(""), std::numeric_limits<float>::infinity(), -1.0f}) {
-    write_sealed(cube(size, value));
+    write_sealed(size, value);
     EXPECT_FALSE(is_believed()) << value;
   }
-  write_sealed(cube(size / 2, 1.0f));
+  write_sealed(size / 2, 1.0f);
   EXPECT_FALSE(is_believed()) << "of another size";
 }
 

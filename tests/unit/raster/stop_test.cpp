@@ -63,13 +63,12 @@ TEST_F(unit_raster_stop, no_other_picture_is_begun_and_the_first_frame_is_always
   small.frames = 4;
   raster::Statistics statistics;
   raster::Session session;
-  session.draw(
-      scene, make_environment("furnace"), views, small, diagnostics,
-      [&](std::size_t, const Film& film) {
-        EXPECT_GT(mean(film), 0.1);
-        ++taken;
-      },
-      &statistics, {}, {{}, &stop});
+  session.draw(scene, make_environment("furnace"), views, small, diagnostics,
+               [&](std::size_t, const Film& film) {
+                 EXPECT_GT(mean(film), 0.1);
+                 ++taken;
+               },
+               &statistics, {}, {{}, &stop});
   EXPECT_EQ(taken, 1u);
   EXPECT_EQ(statistics.frames, 1);
   EXPECT_TRUE(statistics.interrupted);
@@ -81,8 +80,8 @@ TEST_F(unit_raster_stop, what_is_whole_when_it_is_stopped_is_not_interrupted) {
   raster::Statistics statistics;
   raster::Settings small;
   small.width = small.height = 8;
-  raster::render(ball(), make_environment("furnace"), look_at({0, 0, 4}, vec3(0.0f), 0.8f), small,
-                 diagnostics, &statistics, {{}, &stop});
+  raster::render(ball(), make_environment("furnace"), look_at({0, 0, 4}, vec3(0.0f), 0.8f), small, diagnostics,
+                 &statistics, {{}, &stop});
   EXPECT_FALSE(statistics.interrupted);
 }
 
