@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 
 #include "raster/glow.h"
@@ -140,17 +141,24 @@ std::vector<AreaLight> glowing_draws(const Scene& scene, const GpuScene& gpu, fl
     parts_of = draw.primitive;
     const float half_size = 0.5f * glm::length(draw.bounds.size());
     const glm::dvec3 base = glm::dvec3(gpu.origin()) + glm::dvec3(draw.center);
+    std::vector<AreaLight> lamps;
+    float power = 0.0f;
+    bool is_all = false;
     for (const GlowingPart& part : parts) {
       const Panel panel = make_panel(primitive, node.world_from_node, part.triangles, base);
       if (!(panel.area > 0.0f)) continue;
       AreaLight light = make_light(panel, part, material.double_sided);
-      const bool is_painted = material.emissive_texture && light.entry.is_body != 0;
-      const float added = light.seen_area * luminance(light.entry.color) / (half_size * half_size);
-      if (is_painted && added < kFaintest * kPi * sky) continue;
+      if (!(light.power > 0.0f)) continue;
       light.base = base;
       light.surfaces = {{i, part.triangles}};
-      if (light.power > 0.0f) all.push_back(std::move(light));
+      power += light.power;
+      is_all |= light.entry.is_body == 0 && part.triangles.size() == primitive.triangles.size();
+      lamps.push_back(std::move(light));
     }
+    // Flux over a sphere as large as the draw.
+    const bool is_painted = material.emissive_texture && !is_all;
+    if (is_painted && power < kFaintest * kPi * sky * 4.0f * half_size * half_size) continue;
+    std::move(lamps.begin(), lamps.end(), std::back_inserter(all));
   }
   return all;
 }

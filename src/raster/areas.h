@@ -29,8 +29,8 @@ struct AreaLight {
 /// convex body shows from all around in the mean (Cauchy). Those beyond kMostAreas join what is nearest, weak ones
 /// first, with a warning; the power stays what it was.
 ///
-/// What a texture paints on a body is left out where it adds less than a fiftieth to `sky`, the mean luminance from far
-/// away, at a distance of half the body's size.
+/// What a texture paints on parts of a body is left out where all of it adds less than a fiftieth to `sky`, the mean
+/// luminance from far away, at a distance of half the body's size.
 std::vector<AreaLight> find_areas(const Scene& scene, const GpuScene& gpu, float sky, Diagnostics& diagnostics);
 
 /// Shadow maps that area lights want.

@@ -13,7 +13,7 @@ namespace candela::raster {
 
 inline constexpr int kMostLights = 32;
 inline constexpr int kMostShadows = 64;
-inline constexpr int kMostAreas = 16;
+inline constexpr int kMostAreas = 8;
 inline constexpr std::size_t kSlots = std::tuple_size_v<decltype(texture_slots(std::declval<Material&>()))>;
 
 /// Places of texture_slots() that somebody asks for by name.

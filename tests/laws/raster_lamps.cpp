@@ -130,6 +130,20 @@ TEST_F(law_raster_lamps, a_texture_that_says_what_glows_lights_as_two_materials_
   EXPECT_GT(difference(expected, draw(bulb_on_foot(bytes, {}, dark, dark).build(), floor_view())), 0.5);
 }
 
+TEST_F(law_raster_lamps, what_is_painted_counts_where_the_sky_does_not_drown_it) {
+  const auto bytes = [](SceneBuilder& b) {
+    return b.add_texture(2, 1, {0, 0, 0, 255, 255, 255, 255, 255}, Filter::nearest);
+  };
+  SceneBuilder b = bulb_on_foot(bytes, {}, {0.75f, 0.5f}, {0.25f, 0.5f});
+  const Scene scene = b.build();
+  raster::Settings direct = drawn();
+  direct.quantity = raster::Quantity::direct;
+  const auto lit = [&](float sky) { return draw(scene, floor_view(), direct, constant_environment(vec3(sky))); };
+  EXPECT_GT(mean_luminance(lit(0.0f)), 0.05);
+  EXPECT_LT(difference(lit(0.0f), lit(0.1f)), 1e-3);
+  EXPECT_EQ(mean_luminance(lit(1e3f)), 0.0);
+}
+
 TEST_F(law_raster_lamps, what_a_mask_cuts_out_of_a_panel_lights_nothing) {
   const auto scene = [](bool is_masked, float share) {
     SceneBuilder b;
