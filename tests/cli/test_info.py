@@ -58,7 +58,7 @@ class Info(CliTest):
         self.assertEqual(info["materials"], [{"index": 1, "name": "red", "lobes": ["metallic-roughness", "clearcoat"]}])
         self.assertEqual(info["variants"], ["noon", "sunset"])
         text = self.succeeds("info", "a.gltf").out
-        self.assertRegex(text, r"(?m)^ +0 red: metallic-roughness, clearcoat$")
+        self.assertRegex(text, r"(?m)^ +1 red: metallic-roughness, clearcoat$")
         self.assertRegex(text, r"(?m)^variants +2\n +0 noon\n +1 sunset$")
 
     def test_textures_have_sizes_and_memory(self):
@@ -143,8 +143,9 @@ class Info(CliTest):
         self.assertEqual(
             status, {"KHR_materials_ior": (False, "supported"), "VENDOR_unheard_of": (False, "ignored")}
         )
-        self.assertEqual(len(info["warnings"]), 1)
+        self.assertEqual(len(info["warnings"]), 2)
         self.assertIn("VENDOR_unheard_of", info["warnings"][0])
+        self.assertIn("nothing in the scene has a mesh", info["warnings"][1])
         self.assertEqual(info["animations"], 0)
         self.assertIn("VENDOR_unheard_of", self.succeeds("info", "a.gltf").out)
 

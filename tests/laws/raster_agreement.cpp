@@ -229,23 +229,22 @@ TEST_F(law_raster, other_shading_models_reflect_as_much_of_light_from_far_away) 
   layered.clearcoat = 0.6f, layered.clearcoat_roughness = 0.3f;
   layered.sheen_color = {0.5f, 0.4f, 0.3f}, layered.sheen_roughness = 0.5f;
   const Environment furnace = constant_environment(vec3(1.0f));
-  constexpr int kPixels = 24;
+  constexpr int kPixels = 48;
   for (const bool is_layered : {false, true}) {
     const Scene scene = ball(is_layered ? layered : much_at_once());
-    const Film plain = draw(scene, furnace, sphere_view(), drawn(kPixels));
+    raster::Settings settings = drawn(kPixels);
+    settings.specular_antialiasing = false;  // a wider lobe of a model that loses energy loses more
+    const Film plain = draw(scene, furnace, sphere_view(), settings);
     for (const auto& [name, model] : other_models()) {
-      const bool is_preset = name.find('=') == std::string::npos;
-      if (is_layered && !is_preset) continue;
+      // A shader takes seconds to compile.
+      if (name != "gltf" && (is_layered || (name != "ue4" && name != "thesis"))) continue;
       path::Settings traced = test::settings(kPixels, 64, 1);
-      raster::Settings settings = drawn(kPixels);
       traced.shading = settings.shading = model;
       const Film expected = shoot(scene, furnace, sphere_view(), traced);
       const Film found = draw(scene, furnace, sphere_view(), settings);
       EXPECT_LT(difference_of_means(expected, found), 0.01) << name << (is_layered ? ", layered" : "");
       // The twin: what the default model reflects is told apart.
-      if (is_preset) {
-        EXPECT_GT(difference_of_means(expected, plain), 0.01) << name;
-      }
+      EXPECT_GT(difference_of_means(expected, plain), 0.01) << name;
     }
   }
 }

@@ -13,6 +13,7 @@ float fetch_opacity() {
 #endif
 #ifdef IS_SHADOW
 in float v_depth;
+#include "veil_depth.glsl"
 #endif
 #ifdef BEYOND_LAST_LAYER
 #include "layer_slack.glsl"
@@ -29,7 +30,11 @@ void main() {
   // stands before a slice is at its beginning. Back by what a texel covers of a slope.
   float depth = v_depth * gl_FragCoord.w;
   float slope = max(abs(dFdx(depth)), abs(dFdy(depth)));
-  depth = clamp(depth - slope, 0.0, 1.0);
+  depth -= slope;
+#if defined(ALPHA_BLEND) && !defined(OPAQUE_PART)
+  depth = veil_stored(max(depth, 0.0));
+#endif
+  depth = clamp(depth, 0.0, 1.0);
   gl_FragDepth = depth;
 #endif
 #ifdef ALPHA_MASK

@@ -56,6 +56,8 @@ uniform highp sampler2DArray light_profiles;
 uniform highp sampler2DArray shadow_depths;  // the same maps, to be read rather than compared with
 #endif
 #ifdef HAS_VEILS
+#include "veil_depth.glsl"
+
 // What share of light passes the first blended surface, and all of them. Their depths, those of the first and of the
 // second, lie in shadow_depths behind the maps of what is opaque.
 uniform highp sampler2DArray veils;
@@ -97,6 +99,9 @@ float shadow_penumbra(int layer, int map, vec3 at, vec2 tilt, float receiver, fl
     float r = sqrt((float(i) + 0.5) / float(kTaps)), phi = 2.39996323 * float(i) + turn;
     vec2 offset = vec2(cos(phi), sin(phi)) * (r * search);
     float d = texture(shadow_depths, vec3(at.xy + offset, float(map))).x;
+#ifdef HAS_VEILS
+    if (map != layer) d = veil_restored(d);
+#endif
     if (d > at.z + dot(tilt, offset) + slack) {
       sum += shadow_distance(layer, d);
       count += 1.0;
@@ -130,6 +135,7 @@ float shadow_softly(int layer, vec3 at, vec2 tilt, float radius) {
 float veil_at(int layer, ivec2 texel, float depth) {
   ivec3 size = textureSize(veils, 0);
   texel = clamp(texel, ivec2(0), size.xy - 1);
+  depth = veil_stored(depth);
   if (depth >= texelFetch(shadow_depths, ivec3(texel, size.z + layer), 0).x) return 1.0;
   vec2 passing = texelFetch(veils, ivec3(texel, layer), 0).xy;
   return depth >= texelFetch(shadow_depths, ivec3(texel, 2 * size.z + layer), 0).x ? passing.x : passing.y;
