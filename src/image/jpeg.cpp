@@ -52,6 +52,8 @@ JpegHeader read_header(tjhandle handle, std::span<const std::byte> bytes, const 
   const int result = tjDecompressHeader3(handle, jpeg_data(bytes), static_cast<unsigned long>(bytes.size()),
                                          &header.width, &header.height, &subsampling, &header.colorspace);
   check(handle, result, where);
+  // Where the data ends before it comes to a frame the library reports success.
+  if (header.width <= 0 || header.height <= 0) throw Error("damaged JPEG: it has no frame", where);
   codec::check_texture_size(static_cast<std::uint64_t>(header.width), static_cast<std::uint64_t>(header.height), 4,
                             where);
   return header;

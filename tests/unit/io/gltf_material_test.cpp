@@ -289,7 +289,7 @@ TEST(unit_io_gltf_material, an_image_that_cannot_be_read_is_told_and_changes_not
       const auto bytes = b.glb();
       const Scene scene = load_gltf(bytes, folder.path(), diagnostics, LoadOptions{.decode_images = decode});
       const bool is_whole = !decode && std::string(c.told) == "#/images/0 (wood): ";  // its header is
-      ASSERT_EQ(diagnostics.warnings().size(), is_whole ? 0u : 1u) << c.image << c.told << decode;
+      ASSERT_EQ(diagnostics.warnings().size(), is_whole ? 0u : 1u) << c.image;
       if (is_whole) continue;
       EXPECT_THAT(diagnostics.warnings()[0].text(), HasSubstr(c.told));
       EXPECT_THAT(diagnostics.warnings()[0].text(), HasSubstr("shown without it"));
