@@ -7,6 +7,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
