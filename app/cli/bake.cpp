@@ -19,6 +19,7 @@
 #include "cli/option.h"
 #include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "ibl/cube.h"
@@ -225,44 +226,24 @@ void add_rest(CLI::App* verb, BakeOptions& o) {
   verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group("Running");
 }
 
-std::string at_text(ivec2 at) { return fmt::format("{},{}", at.x, at.y); }
-
-void tell_repairs(const ibl::Repairs& repairs, const std::string& path, std::vector<Diagnostic>& warnings) {
-  if (repairs.not_finite > 0) {
-    warnings.push_back({fmt::format("{} texels are not finite, the first at {}: infinity became the largest finite "
-                                    "value, NaN became 0",
-                                    repairs.not_finite, at_text(repairs.first_not_finite)),
-                        path});
-  }
-  if (repairs.negative > 0) {
-    warnings.push_back({fmt::format("{} texels are negative, the first at {}: they became 0", repairs.negative,
-                                    at_text(repairs.first_negative)),
-                        path});
-  }
-}
-
-/// A panorama of a file, with what is wrong in it put right and told.
+/// A panorama of a file.
 Environment make_panorama(Image image, const std::string& path, std::vector<Diagnostic>& warnings) {
   check_panorama(image, path);
-  const ImageFormat format = sniff_image_format(read_head(path, 16));
+  const ImageFormat format = sniff_image_format(read_head(parse_image_name(path).path, 16));
   if (format == ImageFormat::png || format == ImageFormat::jpeg) {
     warnings.push_back(
         {"8 or 16 bits per channel end at white: what is brighter, the sun above all, is missing", path});
   }
-  tell_repairs(ibl::repair(image), path, warnings);
   Environment environment;
   environment.name = path;
   environment.map = std::make_shared<Image>(std::move(image));
   return environment;
 }
 
-/// The largest level of a cube map, put right likewise.
-CubeFaces make_faces(Cubemap cube, const BakeOptions& o, std::vector<Diagnostic>& warnings) {
+CubeFaces make_faces(Cubemap cube, const BakeOptions& o) {
   CubeFaces faces = std::move(cube.levels.at(0));
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    tell_repairs(ibl::repair(faces[i]), fmt::format("{}, face {}", o.environment, kFaceNames[i]), warnings);
-    for (float& v : faces[i].pixels) v *= o.intensity;
-  }
+  for (Image& face : faces)
+    for (float& v : face.pixels) v *= o.intensity;
   return faces;
 }
 
@@ -273,20 +254,21 @@ Environment adjusted(Environment environment, const BakeOptions& o) {
   return environment;
 }
 
-CubeFaces capture(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
+CubeFaces capture(const BakeOptions& o, ProgressLine& progress, std::vector<Diagnostic>& warnings) {
   Diagnostics diagnostics;
   const Scene scene = load(o.scene, &diagnostics);
+  const Environment environment =
+      adjusted(make_environment(o.environment.empty() ? "studio" : o.environment, &diagnostics), o);
   warnings.insert(warnings.end(), diagnostics.warnings().begin(), diagnostics.warnings().end());
-  const Environment environment = adjusted(make_environment(o.environment.empty() ? "studio" : o.environment), o);
   path::Settings settings;
   settings.samples = o.spp;
   path::Callbacks callbacks;
-  const Interrupt interrupt;  // the first Ctrl-C ends the capture, and the bake with it
+  callbacks.progress = [&](const path::Progress& p) { progress.update(p); };
   callbacks.stop = &Interrupt::requested();
   path::Statistics statistics;
   const Cubemap seen =
       path::capture_environment(scene, environment, *o.at, o.bake.size, settings, &statistics, callbacks);
-  if (statistics.interrupted) throw Error("interrupted while the scene was captured", o.scene);
+  if (statistics.interrupted) throw Interrupted("while the scene was captured");
   return seen.levels.at(0);
 }
 
@@ -297,18 +279,19 @@ struct Light {
   bool is_panorama = false;  ///< the source is a file's own panorama
 };
 
-Light load_light(const BakeOptions& o, std::vector<Diagnostic>& warnings) {
+Light load_light(const BakeOptions& o, ProgressLine& progress, std::vector<Diagnostic>& warnings) {
   Light light;
   if (!o.scene.empty()) {
-    light.faces = capture(o, warnings);
+    light.faces = capture(o, progress, warnings);
     light.source = ibl::make_source(*light.faces);
     return light;
   }
   const bool is_built_in = is_built_in_environment(o.environment);
   EnvironmentFile file;
-  if (!is_built_in) file = read_environment_file(o.environment, o.axes);
+  if (!is_built_in) file = read_clean_environment(o.environment, o.axes);
+  warnings.insert(warnings.end(), file.warnings.begin(), file.warnings.end());
   if (!file.cube.empty()) {
-    light.faces = make_faces(std::move(file.cube), o, warnings);
+    light.faces = make_faces(std::move(file.cube), o);
     light.source = ibl::make_source(*light.faces);
     light.source.rotation += static_cast<double>(o.rotation);
     if (o.rotation != 0.0f) light.faces.reset();
@@ -366,13 +349,56 @@ void check_usage(const BakeOptions& o) {
   }
 }
 
+/// What has no effect beside other options is not silently ignored.
+void check_combinations(const CLI::App& verb, const BakeOptions& o) {
+  const auto refuse = [&](std::initializer_list<const char*> options, const std::string& why) {
+    for (const char* option : options) {
+      if (verb.count(option) > 0) throw UsageError(std::string(option) + ": " + why);
+    }
+  };
+  if (!o.compared.empty()) {
+    for (const CLI::Option* option : verb.get_options()) {
+      const std::string name = option->get_name();
+      const bool counts = name == "--diff" || name == "--axes" || name == "--json" || name == "--threads" ||
+                          name == "--quiet" || name == "--help";
+      if (option->count() > 0 && !counts) throw UsageError(name + ": --diff compares two files and bakes nothing");
+    }
+    return;
+  }
+  if (!has_light(o) && o.tables) {
+    refuse({"--size", "--levels", "--mapping", "--method", "--samples", "--sheen", "--irradiance", "--irradiance-size",
+            "--sh-order", "--window", "--env-rotation", "--env-intensity", "--proof", "--error", "--axes"},
+           "there is no environment");
+  }
+  using ibl::IrradianceMethod;
+  using ibl::Method;
+  const Method method = o.bake.specular.method;
+  if (method != Method::fis && method != Method::montecarlo && o.bake.irradiance_method == IrradianceMethod::exact) {
+    refuse({"--samples"}, "only for --method fis or montecarlo and --irradiance riemann or montecarlo");
+  }
+  if (!o.tables) refuse({"--table-size"}, "only with --tables");
+  if (o.scene.empty()) refuse({"--spp"}, "only with --from-scene");
+  if (!o.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
+  if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");
+}
+
 void check_paths(const BakeOptions& o) {
   std::error_code code;
   if (fs::exists(o.output, code) && !fs::is_directory(o.output, code)) throw Error("is not a folder", o.output);
   check_writable(fs::is_directory(o.output, code) ? fs::path(o.output) / "bake.json" : fs::path(o.output));
   if (o.report.empty()) return;
   check_writable(o.report);
-  if (fs::equivalent(o.report, o.environment, code)) throw Error("is an input of this bake", o.report);
+}
+
+/// The files that it is made of.
+Inputs inputs_of(const BakeOptions& o) {
+  Inputs inputs;
+  inputs.add_environment(o.environment);
+  if (!o.scene.empty()) {
+    inputs.add(o.scene, "the scene " + o.scene);
+    add_scene_files({o.scene}, inputs);
+  }
+  return inputs;
 }
 
 /// What the engine expects, where nothing else is asked for.
@@ -409,29 +435,24 @@ void run_diff(const BakeOptions& o) {
   print(o.json ? diff_json(levels) : diff_text(levels));
 }
 
-void run_bake(BakeOptions& o) {
-  if (!o.compared.empty()) return run_diff(o);
-  if (o.profile != nullptr) follow_profile(*o.profile, o);
-  check_usage(o);
-  check_paths(o);
-  const ThreadLimit threads(o.threads);
-  ProgressLine progress(o.quiet);
+/// All of the work, up to whole files in their place. Throws Interrupted before any is.
+void make_bake(BakeOptions& o, const Inputs& inputs, ProgressLine& progress, BakeResult& result) {
+  const StopScope stop(&Interrupt::requested());
   o.bake.irradiance_samples = o.bake.specular.samples;
   o.bake.specular.fis_size = o.bake.size;
   const std::string& from = o.scene.empty() ? o.environment : o.scene;
-  BakeResult result;
   result.name = !has_light(o) ? "tables" : is_built_in_environment(from) ? from : fs::path(from).filename().string();
   result.settings = o.bake;
   result.format = o.format;
   result.profile = o.profile;
   if (has_light(o)) {
     progress.phase((o.scene.empty() ? "loading " : "capturing ") + from);
-    const Light light = load_light(o, result.warnings);
+    const Light light = load_light(o, progress, result.warnings);
     const ibl::Source& source = light.source;
     for (const Diagnostic& warning : result.warnings) progress.warn(warning);
     check_memory(o, source);
     const auto start = std::chrono::steady_clock::now();
-    result.bake = ibl::bake(source, o.bake, [&](const std::string& what) { progress.phase(what); });
+    result.bake = ibl::bake(source, o.bake, [&](const ibl::BakeProgress& p) { progress.update(p.fraction, p.what); });
     result.bake_s = since(start);
     if (light.faces) keep_texels(*light.faces, *result.bake);
     if (light.is_panorama) result.panorama = source.map;
@@ -446,8 +467,27 @@ void run_bake(BakeOptions& o) {
   }
   progress.phase("writing");
   const std::size_t told = result.warnings.size();
-  write_bake(o.output, result);
+  write_bake(o.output, inputs, o.report, result);
   for (std::size_t i = told; i < result.warnings.size(); ++i) progress.warn(result.warnings[i]);
+}
+
+void run_bake(BakeOptions& o) {
+  if (!o.compared.empty()) return run_diff(o);
+  if (o.profile != nullptr) follow_profile(*o.profile, o);
+  check_usage(o);
+  check_paths(o);
+  const Inputs inputs = inputs_of(o);
+  if (!o.report.empty()) inputs.refuse(o.report);
+  const ThreadLimit threads(o.threads);
+  ProgressLine progress(o.quiet);
+  const Interrupt interrupt;
+  BakeResult result;
+  try {
+    make_bake(o, inputs, progress, result);
+  } catch (const Interrupted&) {
+    throw Interrupted("the bake is not done, and no file of it is written");
+  }
+  progress.clear();
   if (!o.report.empty()) write_file(o.report, bake_html(result));
   print(o.json ? bake_json(result) : bake_text(result));
 }
@@ -457,10 +497,10 @@ void run_bake(BakeOptions& o) {
 Verb add_bake(CLI::App& app) {
   const auto options = std::make_shared<BakeOptions>();
   CLI::App* verb = app.add_subcommand("bake", "Image-based light for engines, with its error measured")->group("Verbs");
-  verb->add_option(
-          "ENV", options->environment,
-          "An equirectangular .exr, .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a folder of "
-          "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace")
+  verb->add_option("ENV", options->environment,
+                   "An equirectangular .exr (:LAYER), .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a "
+                   "folder of "
+                   "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace")
       ->type_name("");
   verb->add_option("-o,--output", options->output, "Folder to write to; it is made where it is absent")
       ->type_name("DIR");
@@ -479,6 +519,7 @@ Verb add_bake(CLI::App& app) {
     options->has_levels = verb->count("--levels") > 0;
     options->has_mapping = verb->count("--mapping") > 0;
     options->has_format = verb->count("--format") > 0;
+    check_combinations(*verb, *options);
     run_bake(*options);
   };
 }

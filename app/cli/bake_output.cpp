@@ -1,10 +1,8 @@
 #include "cli/bake_output.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -137,29 +135,7 @@ void write_files(const fs::path& folder, BakeResult& result) {
     write_file(folder / "suns.json", suns_json(*result.suns));
     write_linear_image(folder / "without_suns.exr", result.suns->rest.map);
   }
-  write_file(folder / "bake.json", bake_json(result));
 }
-
-/// A folder that goes away with what is still in it.
-class Workshop {
- public:
-  explicit Workshop(const fs::path& beside)
-      : path_(beside.parent_path() / fmt::format(".{}.{}", beside.filename().string(), ::getpid())) {
-    std::error_code code;
-    fs::create_directory(path_, code);
-    if (code) throw Error("cannot make a folder: " + code.message(), beside.string());
-  }
-  ~Workshop() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 Json error_json(const ibl::ErrorBound& error) { return {{"max", error.max}, {"rms", error.rms}}; }
 
@@ -209,18 +185,7 @@ std::string level_text(const std::string& name, int size, std::string_view metho
 
 }  // namespace
 
-void write_bake(const fs::path& folder, BakeResult& result) {
-  const fs::path whole = folder.has_filename() ? folder : folder.parent_path();
-  const Workshop workshop(fs::absolute(whole));
-  write_files(workshop.path(), result);
-  std::error_code code;
-  fs::create_directory(whole, code);
-  if (code) throw Error("cannot make the folder: " + code.message(), whole.string());
-  for (const fs::directory_entry& file : fs::directory_iterator(workshop.path())) {
-    fs::rename(file.path(), whole / file.path().filename(), code);
-    if (code) throw Error("cannot write: " + code.message(), (whole / file.path().filename()).string());
-  }
-}
+void make_bake_files(const fs::path& folder, BakeResult& result) { write_files(folder, result); }
 
 std::string bake_json(const BakeResult& result) {
   Json json = {{"environment", result.name}};
@@ -250,6 +215,11 @@ std::string bake_json(const BakeResult& result) {
     for (const ibl::Sun& sun : result.suns->suns) json["suns"].push_back(sun_json(sun));
   }
   if (result.tables) json["tables"] = {{"size", result.tables->dfg.width}, {"seconds", result.tables_s}};
+  if (!result.files.empty()) json["files"] = Json::array();
+  for (const BakeFile& file : result.files) {
+    json["files"].push_back(
+        {{"name", file.name}, {"bytes", file.bytes}, {"fingerprint", fmt::format("{:016x}", file.fingerprint)}});
+  }
   json["warnings"] = Json::array();
   for (const Diagnostic& warning : result.warnings) json["warnings"].push_back(warning.text());
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/diagnostics.h"
+#include "cli/inputs.h"
 #include "ibl/bake.h"
 #include "ibl/profile.h"
 #include "ibl/sun.h"
@@ -22,6 +24,13 @@ struct BakeFormat {
   TextureOptions texture;
 };
 
+/// A file of a bake, as bake.json lists it: what the next bake into the folder may take away.
+struct BakeFile {
+  std::string name;
+  std::uint64_t bytes = 0;
+  std::uint64_t fingerprint = 0;  ///< of its content
+};
+
 /// Everything `candela bake` made, and what it says about it.
 struct BakeResult {
   std::string name;  ///< of the environment
@@ -33,13 +42,21 @@ struct BakeResult {
   std::optional<ibl::SunExtraction> suns;
   std::optional<ibl::Tables> tables;
   std::vector<Diagnostic> warnings;
+  std::vector<BakeFile> files;  ///< that are written, but for bake.json
   double bake_s = 0.0;
   double tables_s = 0.0;
 };
 
 /// Writes all files of a bake into `folder`, which is made where it is absent. They are made in a folder beside it
-/// first and moved once all of them are whole. What a format cannot hold becomes a warning. Throws Error.
-void write_bake(const std::filesystem::path& folder, BakeResult& result);
+/// first and moved once all of them are whole; where that fails, what was there before is put back. What bake.json
+/// lists of an earlier bake, and nobody has changed since, goes; what this bake reads stays. What a format cannot hold
+/// becomes a warning. Throws Error where a file of `inputs` or `report` (empty: none) would be overwritten, Interrupted
+/// as StopScope says.
+void write_bake(const std::filesystem::path& folder, const Inputs& inputs, const std::filesystem::path& report,
+                BakeResult& result);
+
+/// The files themselves, but for bake.json; write_bake() calls it.
+void make_bake_files(const std::filesystem::path& folder, BakeResult& result);
 
 /// For a person, for a machine, and as one page of HTML with pictures in it.
 std::string bake_text(const BakeResult& result);

@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "candela/candela.h"
+#include "cli/interrupt.h"
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/values.h"
@@ -64,6 +65,9 @@ std::vector<Told> told(const Scene& scene, const FileSurvey* survey, std::vector
   for (Finding& f : findings) {
     std::string material = f.material < 0 ? "" : study::material_label(scene, f.material);
     std::string texture = f.texture < 0 ? "" : study::texture_label(scene, f.texture, survey);
+    // From here on people read it: their numbers are the file's.
+    if (f.material >= 0) f.material = number_of(scene.materials, static_cast<std::size_t>(f.material));
+    if (f.texture >= 0) f.texture = number_of(scene.textures, static_cast<std::size_t>(f.texture));
     result.push_back({std::move(f), std::move(material), std::move(texture)});
   }
   return result;
@@ -102,8 +106,6 @@ void add_variant(const std::string& name, const std::string& variant, Verdict& v
   for (const Told& t : verdict.findings) known.insert(key(t));
   for (Told& own : told(scene, nullptr, study::check_asset({.scene = scene}))) {
     if (known.contains(key(own))) continue;
-    // Its indices are those of another scene.
-    own.finding.material = own.finding.texture = -1;
     own.finding.subject += (own.finding.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
     verdict.findings.push_back(std::move(own));
   }
@@ -114,13 +116,18 @@ Verdict judge_file(const std::string& name) {
     Diagnostics diagnostics;
     io::FileInfo info;
     const Scene scene = io::load_gltf(name, diagnostics, {.refuse_unknown_required = false}, &info);
-    const FileSurvey survey = io::survey_gltf(name, {});
+    // Of an image that did not decode the survey says so, too.
+    const bool has_lost_images =
+        std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
+                    [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
+    const FileSurvey survey = io::survey_gltf(name, {.decode_images = has_lost_images});
     Verdict verdict = verdict_of(name, {.scene = scene,
                                         .survey = &survey,
                                         .extensions_used = info.extensions_used,
                                         .extensions_ignored = info.extensions_ignored,
                                         .extensions_missing = info.extensions_missing,
-                                        .warnings = diagnostics.warnings()});
+                                        .warnings = diagnostics.warnings(),
+                                        .notes = diagnostics.notes()});
     for (const std::string& variant : info.variants) add_variant(name, variant, verdict);
     std::stable_sort(verdict.findings.begin(), verdict.findings.end(),
                      [](const Told& a, const Told& b) { return a.finding.severity > b.finding.severity; });
@@ -134,6 +141,16 @@ Verdict judge(const std::string& name) {
   if (!name.starts_with("demo:")) return judge_file(name);
   const Scene scene = load(name);
   return verdict_of(name, {.scene = scene});
+}
+
+/// Empty where it was stopped: half a judgement would pass for a good one.
+std::optional<Verdict> judge_unless_stopped(const std::string& name) {
+  const StopScope scope(&Interrupt::requested());
+  try {
+    return judge(name);
+  } catch (const Interrupted&) {
+    return std::nullopt;
+  }
 }
 
 /// The scenes below a folder, in the order of their names.
@@ -260,7 +277,7 @@ Json verdict_json(const Verdict& v) {
           {"findings", findings}};
 }
 
-std::string report_json(const std::vector<Verdict>& verdicts, const Totals& totals) {
+std::string report_json(const std::vector<Verdict>& verdicts, const Totals& totals, std::size_t asked) {
   Json assets = Json::array();
   for (const Verdict& v : verdicts) assets.push_back(verdict_json(v));
   const Json json = {{"assets", assets},
@@ -270,7 +287,8 @@ std::string report_json(const std::vector<Verdict>& verdicts, const Totals& tota
                        {"unreadable", totals.unreadable},
                        {"errors", totals.errors},
                        {"warnings", totals.warnings},
-                       {"notes", totals.notes}}}};
+                       {"notes", totals.notes},
+                       {"not_judged", asked - totals.files}}}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -288,27 +306,30 @@ void run_check(const CheckOptions& options) {
   const std::vector<std::string> scenes = scenes_of(options.names);
   std::vector<Verdict> verdicts;
   Totals totals;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    Verdict verdict;
-    {
-      // Gone before anything is printed: both may be the same terminal.
-      ProgressLine progress(options.quiet);
-      progress.phase(fmt::format("{} of {}: {}", i + 1, scenes.size(), scenes[i]));
-      verdict = judge(scenes[i]);
-    }
-    totals.add(verdict);
+  ProgressLine progress(options.quiet);
+  const Interrupt interrupt;
+  for (std::size_t i = 0; i < scenes.size() && !Interrupt::requested(); ++i) {
+    progress.phase(fmt::format("{} of {}: {}", i + 1, scenes.size(), scenes[i]));
+    const std::optional<Verdict> verdict = judge_unless_stopped(scenes[i]);
+    if (!verdict) break;
+    totals.add(*verdict);
     if (options.json) {
-      verdicts.push_back(std::move(verdict));
+      verdicts.push_back(*verdict);
     } else {
-      print(verdict_text(verdict));
+      progress.clear();  // both may be the same terminal
+      print(verdict_text(*verdict));
     }
   }
+  progress.clear();
+  const bool is_partial = totals.files < scenes.size();
   if (options.json) {
-    print(report_json(verdicts, totals));
+    print(report_json(verdicts, totals, scenes.size()));
   } else if (scenes.size() > 1) {
-    print(fmt::format("{}, {} clean, {} unreadable: {}\n", plural(totals.files, "file"), totals.clean,
-                      totals.unreadable, counts_text(totals.errors, totals.warnings, totals.notes)));
+    print(fmt::format("{}{}, {} clean, {} unreadable: {}\n", is_partial ? "interrupted: " : "",
+                      plural(totals.files, "file"), totals.clean, totals.unreadable,
+                      counts_text(totals.errors, totals.warnings, totals.notes)));
   }
+  if (is_partial) throw Interrupted(fmt::format("{} of {} are judged", totals.files, plural(scenes.size(), "file")));
   if (totals.unreadable > 0) {
     throw Error(fmt::format("{} of {} cannot be read", totals.unreadable, plural(totals.files, "file")));
   }
@@ -333,7 +354,7 @@ Verb add_check(CLI::App& app) {
   verb->add_flag("-q,--quiet", options->quiet, "No progress on standard error");
   verb->footer(
       "Examples:\n  candela check helmet.glb\n  candela check assets/ --strict\n  candela check helmet.glb --json\n\n"
-      "docs/check.md explains every finding.");
+      "docs/check.md explains every finding. Ctrl-C keeps the verdicts so far (exit code 130).");
   return [options] { run_check(*options); };
 }
 

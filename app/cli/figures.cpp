@@ -93,23 +93,21 @@ void run_figures(const FigureOptions& o) {
   Diagnostics diagnostics;
   std::size_t told = 0;
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  double next_line = 10.0;
   const auto tell_warnings = [&] {
     for (; told < diagnostics.warnings().size(); ++told) progress.warn(diagnostics.warnings()[told]);
   };
   const auto tell = [&](const study::BookProgress& p) {
     tell_warnings();
-    const std::string text = fmt::format("figure {} of {}: {}", p.index + 1, p.count, p.figure);
-    progress.phase(text);
-    if (seconds() < next_line) return;
-    next_line = seconds() + 10.0;
-    if (!progress.is_live()) progress.line(text);
+    progress.phase(fmt::format("figure {} of {}: {}", p.index + 1, p.count, p.figure));
   };
   const study::BookResult result = study::write_figures(folder, o.chosen, settings, note, diagnostics, tell);
   tell_warnings();
   progress.line(fmt::format("{}: {}{} figure{}, {} files in {}", (folder / "index.html").string(),
                             result.stopped ? "interrupted; " : "", result.figures, result.figures == 1 ? "" : "s",
                             result.files, duration_text(seconds())));
+  if (result.stopped) {
+    throw Interrupted(fmt::format("{} of {} figures are there, with their pages", result.figures, o.chosen.size()));
+  }
 }
 
 }  // namespace

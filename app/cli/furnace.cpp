@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "base/error.h"
 #include "base/parallel.h"
+#include "cli/interrupt.h"
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/values.h"
@@ -29,7 +31,7 @@ std::string_view promise_text(const study::MatrixRow& row) {
   return row.promise.gain < 1.0 ? "kept" : "exempt";
 }
 
-std::string matrix_text(const std::vector<study::MatrixRow>& matrix) {
+std::string matrix_text(const std::vector<study::MatrixRow>& matrix, bool is_partial) {
   std::string text = fmt::format("{:<58} {:>11} {:>10} {:>10} {:>8} {:>10}  {}\n", "surface", "reciprocity",
                                  "furnace -", "furnace +", "pdf", "not finite", "promise");
   int broken = 0;
@@ -42,10 +44,11 @@ std::string matrix_text(const std::vector<study::MatrixRow>& matrix) {
     if (!row.holds) ++broken;
     surfaces += row.surfaces;
   }
-  return text + fmt::format("{} surfaces in {} groups, {} broken promises\n", surfaces, matrix.size(), broken);
+  return text + fmt::format("{}{} surfaces in {} groups, {} broken promises\n", is_partial ? "interrupted: " : "",
+                            surfaces, matrix.size(), broken);
 }
 
-std::string matrix_json(const std::vector<study::MatrixRow>& matrix) {
+std::string matrix_json(const std::vector<study::MatrixRow>& matrix, bool is_partial) {
   Json rows = Json::array();
   for (const study::MatrixRow& row : matrix) {
     const study::Measurement& m = row.worst;
@@ -62,7 +65,7 @@ std::string matrix_json(const std::vector<study::MatrixRow>& matrix) {
                     {"promise", promise},
                     {"kept", row.holds}});
   }
-  return Json{{"laws", rows}}.dump(2) + "\n";
+  return Json{{"laws", rows}, {"interrupted", is_partial}}.dump(2) + "\n";
 }
 
 /// Values are encoded already.
@@ -97,7 +100,8 @@ Verb add_furnace(CLI::App& app) {
   verb->add_option("--threads", options->threads, "Default: all the machine has")->type_name("N");
   verb->add_flag("-q,--quiet", options->quiet, "No progress on standard error");
   verb->footer(
-      "Examples:\n  candela furnace\n  candela furnace -o sheet.png\n  candela furnace --all --json > laws.json");
+      "Examples:\n  candela furnace\n  candela furnace -o sheet.png\n  candela furnace --all --json > laws.json\n\n"
+      "Ctrl-C keeps what is measured and drawn by then (exit code 130).");
   return [options] {
     const std::filesystem::path output = options->output;
     if (!options->output.empty() && !has_extension(output, ".png")) {
@@ -109,15 +113,25 @@ Verb add_furnace(CLI::App& app) {
 
     ProgressLine progress(options->quiet);
     const auto telling = [&progress](const char* what) {
-      return [&progress, what](double share) { progress.phase(fmt::format("{} {:.0f} %", what, 100.0 * share)); };
+      return
+          [&progress, what](double share) { progress.update(share, fmt::format("{} {:.0f} %", what, 100.0 * share)); };
     };
-    const std::vector<study::MatrixRow> matrix = study::law_matrix(options->all, telling("measuring"));
-    if (!options->output.empty()) {
-      write_png(output, display(study::furnace_sheet(telling("drawing"))));
-      progress.line(fmt::format("{}: roughness 0 to 1; from the top: {}", options->output,
-                                fmt::join(study::furnace_sheet_rows(), "; ")));
+    const Interrupt interrupt;
+    const std::atomic<bool>& stop = Interrupt::requested();
+    const std::vector<study::MatrixRow> matrix = study::law_matrix(options->all, telling("measuring"), &stop);
+    const bool is_partial = stop;
+    bool is_sheet_partial = false;
+    if (!options->output.empty() && !is_partial) {
+      const Image sheet = study::furnace_sheet(telling("drawing"), &stop);
+      is_sheet_partial = stop;
+      write_png(output, display(sheet));
+      progress.line(fmt::format("{}{}: roughness 0 to 1; from the top: {}", is_sheet_partial ? "interrupted, " : "",
+                                options->output, fmt::join(study::furnace_sheet_rows(), "; ")));
     }
-    print(options->json ? matrix_json(matrix) : matrix_text(matrix));
+    progress.clear();
+    print(options->json ? matrix_json(matrix, is_partial) : matrix_text(matrix, is_partial));
+    if (is_partial) throw Interrupted("the groups above are those that were measured; there is no sheet");
+    if (is_sheet_partial) throw Interrupted("spheres of the sheet that are missing are black");
   };
 }
 

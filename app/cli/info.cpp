@@ -56,12 +56,13 @@ Counts count(const Scene& scene) {
 void describe_materials(const Scene& scene, Json& json, Table& table) {
   json["materials"] = Json::array();
   std::vector<std::string> lines;
-  for (const Material& material : scene.materials) {
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    const Material& material = scene.materials[i];
     const std::vector<std::string_view> lobes = material_lobes(material);
-    json["materials"].push_back({{"name", material.name}, {"lobes", lobes}});
+    json["materials"].push_back({{"index", number_of(scene.materials, i)}, {"name", material.name}, {"lobes", lobes}});
     lines.push_back(fmt::format("{}: {}", or_unnamed(material.name), fmt::join(lobes, ", ")));
   }
-  list(table, "materials", lines);
+  list(table, "materials", lines, numbers_of(scene.materials));
 }
 
 bool contains(const std::vector<std::string>& list, const std::string& name) {
@@ -80,6 +81,7 @@ void describe_extensions(const io::FileInfo& file, Json& json, Table& table) {
     const bool is_required = contains(file.extensions_required, name);
     const char* status = contains(file.extensions_missing, name)   ? "missing"
                          : contains(file.extensions_ignored, name) ? "ignored"
+                         : contains(file.extensions_unseen, name)  ? "no effect on pixels"
                                                                    : "supported";
     all.push_back({{"name", name}, {"required", is_required}, {"status", status}});
     lines.push_back(fmt::format("{}: {}{}", name, is_required ? "required, " : "", status));
@@ -155,14 +157,24 @@ std::optional<Scene> look_into(const std::string& name, Diagnostics& diagnostics
   }
 }
 
+/// What a picture without options would be warned of.
+void tell_of_views(const Scene& scene, const std::string& file, Diagnostics& diagnostics) {
+  if (const auto emptiness = find_emptiness(scene)) diagnostics.warn(emptiness->message, file);
+  constexpr float kAspect = 16.0f / 9.0f;  // of a picture whose size nobody asks for
+  default_camera(scene, kAspect, &diagnostics);
+}
+
 }  // namespace
 
 std::string or_unnamed(const std::string& name) { return name.empty() ? "(no name)" : name; }
 
-void list(Table& table, const std::string& name, const std::vector<std::string>& items) {
+void list(Table& table, const std::string& name, const std::vector<std::string>& items,
+          const std::vector<int>& numbers) {
   constexpr std::size_t kMostItems = 20;  // --json lists all
   table.row(name, fmt::format("{}", items.size()));
-  for (std::size_t i = 0; i < std::min(items.size(), kMostItems); ++i) table.item(fmt::format("{} {}", i, items[i]));
+  for (std::size_t i = 0; i < std::min(items.size(), kMostItems); ++i) {
+    table.item(fmt::format("{} {}", numbers.empty() ? static_cast<int>(i) : numbers[i], items[i]));
+  }
   if (items.size() > kMostItems) table.item(fmt::format("and {} more (--json lists all)", items.size() - kMostItems));
 }
 
@@ -193,11 +205,16 @@ Report scene_report(const std::string& name) {
   if (scene) describe_content(*scene, survey ? &*survey : nullptr, json, table);
   if (!built_in) describe_file(file, json, table);
   if (scene) describe_size(*scene, json, table);
-  json["warnings"] = Json::array();
-  for (const Diagnostic& warning : diagnostics.warnings()) {
-    json["warnings"].push_back(warning.text());
-    table.row("warning", warning.text());
-  }
+  if (scene) tell_of_views(*scene, name, diagnostics);
+  const auto add = [&](const char* kind, const char* key, const std::vector<Diagnostic>& told) {
+    json[key] = Json::array();
+    for (const Diagnostic& one : told) {
+      json[key].push_back(one.text());
+      table.row(kind, one.text());
+    }
+  };
+  add("warning", "warnings", diagnostics.warnings());
+  add("note", "notes", diagnostics.notes());
   return {table.text(), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"};
 }
 
@@ -208,8 +225,9 @@ Verb add_info(CLI::App& app) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("info", "Say what a scene, an image or a texture file holds")->group("Verbs");
-  verb->add_option("FILE", options->file,
-                   "A .glb or .gltf, a demo:NAME, an .exr, .hdr, .png or .jpg image, or a .ktx2, .ktx or .dds texture")
+  verb->add_option(
+          "FILE", options->file,
+          "A .glb or .gltf, a demo:NAME, an .exr (:LAYER), .hdr, .png or .jpg image, or a .ktx2, .ktx or .dds texture")
       ->required()
       ->type_name("");
   verb->add_flag("--json", options->json, "For a machine: one JSON object");

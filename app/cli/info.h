@@ -18,8 +18,8 @@ struct Report {
   std::string json;
 };
 
-bool is_image_file(const std::filesystem::path& path);
-Report image_report(const std::filesystem::path& path);
+bool is_image_file(const std::string& name);  ///< a picture, or FILE:LAYER of one
+Report image_report(const std::string& name);
 bool is_texture_file(const std::filesystem::path& path);
 Report texture_report(const std::filesystem::path& path);  ///< KTX and DDS
 Report scene_report(const std::string& scene);
@@ -49,8 +49,17 @@ class Table {
 
 std::string bytes_text(std::size_t bytes);
 std::string or_unnamed(const std::string& name);
-/// A heading with its number, and one line for each of the first few.
-void list(Table& table, const std::string& name, const std::vector<std::string>& items);
+/// A heading with its number, and one line for each of the first few, with the number by which it is known: its place
+/// where `numbers` is empty.
+void list(Table& table, const std::string& name, const std::vector<std::string>& items,
+          const std::vector<int>& numbers = {});
+/// What number_of says of a list of the scene.
+template <class T>
+std::vector<int> numbers_of(const std::vector<T>& list) {
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < list.size(); ++i) numbers.push_back(number_of(list, i));
+  return numbers;
+}
 
 // Parts of a scene's report. `survey` is null for built-in scenes.
 void describe_images(const Scene& scene, const FileSurvey* survey, nlohmann::ordered_json& json, Table& table);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 
 #include "base/file.h"
 #include "cli/info.h"
@@ -14,21 +13,7 @@
 
 namespace candela::cli {
 
-namespace fs = std::filesystem;
-
 namespace {
-
-ImageFormat format_of(const fs::path& path) { return sniff_image_format(read_head(path, 16)); }
-
-/// "albedo" of "albedo.R"; channels without a dot are the picture itself.
-std::set<std::string> layer_names(const std::vector<std::string>& channels) {
-  std::set<std::string> layers;
-  for (const std::string& channel : channels) {
-    const std::size_t dot = channel.rfind('.');
-    if (dot != std::string::npos) layers.insert(channel.substr(0, dot));
-  }
-  return layers;
-}
 
 bool is_black(const Image& image, int x0, int y0, int width, int height) {
   for (int y = y0; y < y0 + height; ++y)
@@ -65,42 +50,55 @@ Luminance measure(const Image& image) {
   return result;
 }
 
-bool is_image_file(const fs::path& path) { return format_of(path) != ImageFormat::unknown; }
+bool is_image_file(const std::string& name) {
+  return sniff_image_format(read_head(parse_image_name(name).path, 16)) != ImageFormat::unknown;
+}
 
-Report image_report(const fs::path& path) {
-  const ImageFormat format = format_of(path);
-  const Image image = read_image(path);
+Report image_report(const std::string& text) {
+  const ImageName name = parse_image_name(text);
+  const ImageFile file = read_image_file(name);
+  const Image& image = file.image;
   const Luminance light = measure(image);
   ExrHeader header;
-  if (format == ImageFormat::exr) header = read_exr_header(path);
+  if (file.format == ImageFormat::exr) header = read_exr_header(name.path);
 
-  nlohmann::ordered_json json{{"file", path.string()},         {"kind", "image"},
-                              {"format", format_name(format)}, {"width", image.width},
-                              {"height", image.height},        {"channels", image.channels},
-                              {"luminance", nullptr},          {"non_finite_pixels", light.non_finite},
+  nlohmann::ordered_json json{{"file", text},
+                              {"kind", "image"},
+                              {"format", format_name(file.format)},
+                              {"width", image.width},
+                              {"height", image.height},
+                              {"channels", image.channels},
+                              {"luminance", nullptr},
+                              {"non_finite_pixels", light.non_finite},
                               {"cube_layout", nullptr}};
   Table table;
-  table.row("file", path.string());
-  table.row("format", format_name(format));
+  table.row("file", text);
+  table.row("format", format_name(file.format));
   table.row("size", fmt::format("{} x {}", image.width, image.height));
-  table.row("channels", format == ImageFormat::exr ? fmt::format("{}", fmt::join(header.channels, " "))
-                                                   : fmt::format("{}", image.channels));
+  table.row("channels", file.format == ImageFormat::exr ? fmt::format("{}", fmt::join(header.channels, " "))
+                                                        : fmt::format("{}", image.channels));
   if (light.count > 0) {
     json["luminance"] = {{"min", light.least}, {"max", light.most}, {"mean", light.mean()}};
     table.row("luminance", fmt::format("min {:.6g}, max {:.6g}, mean {:.6g}", light.least, light.most, light.mean()));
   }
-  if (const std::optional<CubeLayout> layout = cube_layout_of(image)) {
+  const std::optional<CubeLayout> layout = cube_layout_of(image);
+  if (layout && file.projection == Projection::unsaid) {
     json["cube_layout"] = layout_name(*layout);
     table.row("cube map", fmt::format("perhaps: it has the shape of a {}", layout_name(*layout)));
   }
   if (light.non_finite > 0) table.row("not finite", fmt::format("{} pixels", light.non_finite));
-  if (format == ImageFormat::exr) {
-    const auto layers = layer_names(header.channels);
+  json["attributes"] = nlohmann::ordered_json::array();
+  for (const ImageFact& fact : file.facts) {
+    json["attributes"].push_back(
+        {{"name", fact.name}, {"value", fact.value}, {"done", fact.done}, {"warning", fact.is_odd}});
+    table.row(fact.name, fact.value + ": " + fact.done);
+  }
+  if (file.format == ImageFormat::exr) {
     json["exr_channels"] = header.channels;
-    json["layers"] = layers;
+    json["layers"] = header.layers;
     json["metadata"] = header.metadata;
-    if (!layers.empty()) table.row("layers", fmt::format("{}", fmt::join(layers, " ")));
-    for (const auto& [name, value] : header.metadata) table.row(name, value);
+    if (!header.layers.empty()) table.row("layers", fmt::format("{}", fmt::join(header.layers, " ")));
+    for (const auto& [key, value] : header.metadata) table.row(key, value);
   }
   return {table.text(), json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"};
 }

@@ -48,7 +48,7 @@ std::size_t texels_with_mips(int width, int height) {
 /// Where an image stands.
 struct ImageUses {
   std::set<std::string_view> slots;
-  std::set<std::size_t> materials;
+  std::set<int> materials;   ///< their numbers
   std::set<bool> encodings;  ///< sRGB or not: a GPU holds one texture for each
 };
 std::vector<ImageUses> uses_of_images(const Scene& scene) {
@@ -60,7 +60,7 @@ std::vector<ImageUses> uses_of_images(const Scene& scene) {
       ImageUses& use =
           uses[static_cast<std::size_t>(scene.textures[static_cast<std::size_t>(slots[i]->texture)].image)];
       use.slots.insert(kTextureSlotNames[i]);
-      use.materials.insert(m);
+      use.materials.insert(number_of(scene.materials, m));
       use.encodings.insert(is_srgb_slot(i));
     }
   }
@@ -131,32 +131,44 @@ void describe_images(const Scene& scene, const FileSurvey* survey, Json& json, T
   std::vector<std::string> lines;
   std::size_t bytes = 0;
   const std::vector<ImageUses> uses = uses_of_images(scene);
+  std::vector<int> numbers;
   for (std::size_t i = 0; i < scene.images.size(); ++i) {
     const TextureImage& image = *scene.images[i];
     const Pixels pixels = pixels_of(scene, survey, i);
     const std::size_t memory = texel_count(image.width, image.height) * 4 * static_cast<std::size_t>(pixels.bits) / 8;
-    Json entry = {{"width", image.width},   {"height", image.height},
-                  {"bits", pixels.bits},    {"alpha", pixels.has_alpha},
-                  {"bytes", memory},        {"gpu_bytes", gpu_bytes(scene, survey, i, uses[i])},
-                  {"slots", uses[i].slots}, {"materials", uses[i].materials}};
+    numbers.push_back(image_number(scene, i));
+    Json entry = {{"index", numbers.back()},
+                  {"width", image.width},
+                  {"height", image.height},
+                  {"bits", pixels.bits},
+                  {"alpha", pixels.has_alpha},
+                  {"bytes", memory},
+                  {"gpu_bytes", gpu_bytes(scene, survey, i, uses[i])},
+                  {"slots", uses[i].slots},
+                  {"materials", uses[i].materials}};
     std::string name;
     if (survey != nullptr && i < survey->images.size()) {
       const FileSurvey::Image& file = survey->images[i];
+      entry["error"] = file.error.empty() ? Json(nullptr) : Json(file.error);
       entry["name"] = file.name;
       entry["format"] = file.format;
       entry["file_bytes"] = file.file_bytes;
       name = file.name.empty() ? "" : file.name + ": ";
       name += fmt::format("{} ({}), ", file.format, bytes_text(file.file_bytes));
     }
-    lines.push_back(fmt::format("{}{} x {}, {} bits{}, {}, {} of {} material{}", name, image.width, image.height,
-                                pixels.bits, pixels.has_alpha ? " with alpha" : "", bytes_text(memory),
-                                slots_text(uses[i]), uses[i].materials.size(),
-                                uses[i].materials.size() == 1 ? "" : "s"));
+    if (entry.contains("error") && !entry["error"].is_null()) {
+      lines.push_back(name + "cannot be read");
+    } else {
+      lines.push_back(fmt::format("{}{} x {}, {} bits{}, {}, {} of {} material{}", name, image.width, image.height,
+                                  pixels.bits, pixels.has_alpha ? " with alpha" : "", bytes_text(memory),
+                                  slots_text(uses[i]), uses[i].materials.size(),
+                                  uses[i].materials.size() == 1 ? "" : "s"));
+    }
     json["images"].push_back(std::move(entry));
     bytes += memory;
   }
   json["texture_bytes"] = bytes;
-  list(table, "images", lines);
+  list(table, "images", lines, numbers);
   if (!scene.images.empty()) table.row("texture memory", bytes_text(bytes));
 }
 
@@ -182,8 +194,9 @@ void describe_gpu_memory(const Scene& scene, const FileSurvey* survey, Json& jso
 void describe_cameras(const Scene& scene, Json& json, Table& table) {
   json["cameras"] = Json::array();
   std::vector<std::string> lines;
-  for (const Camera& camera : scene.cameras) {
-    Json entry = {{"name", camera.name}};
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+    const Camera& camera = scene.cameras[i];
+    Json entry = {{"index", number_of(scene.cameras, i)}, {"name", camera.name}};
     std::string text = or_unnamed(camera.name);
     if (const auto* p = std::get_if<PerspectiveCamera>(&camera.projection)) {
       // Of a sensor 24 mm high, as the renderer's f-numbers.
@@ -202,16 +215,18 @@ void describe_cameras(const Scene& scene, Json& json, Table& table) {
     json["cameras"].push_back(std::move(entry));
     lines.push_back(std::move(text));
   }
-  list(table, "cameras", lines);
+  list(table, "cameras", lines, numbers_of(scene.cameras));
 }
 
 void describe_lights(const Scene& scene, Json& json, Table& table) {
   json["lights"] = Json::array();
   std::vector<std::string> lines;
-  for (const Light& light : scene.lights) {
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const Light& light = scene.lights[i];
     const bool is_profile = light.ies >= 0;
     const std::string type = is_profile ? "IES profile" : light_type(light.type);
-    Json entry = {{"name", light.name},
+    Json entry = {{"index", number_of(scene.lights, i)},
+                  {"name", light.name},
                   {"type", type},
                   {"intensity", light.intensity},
                   {"unit", is_profile                             ? "factor"
@@ -237,7 +252,7 @@ void describe_lights(const Scene& scene, Json& json, Table& table) {
     json["lights"].push_back(std::move(entry));
     lines.push_back(fmt::format("{}, {}, {}", or_unnamed(light.name), type, strength));
   }
-  list(table, "lights", lines);
+  list(table, "lights", lines, numbers_of(scene.lights));
 }
 
 void describe_size(const Scene& scene, Json& json, Table& table) {

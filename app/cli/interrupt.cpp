@@ -11,6 +11,7 @@ constexpr std::array kSignals{SIGINT, SIGTERM};
 
 // A signal handler can reach nothing but a global.
 std::atomic<bool> g_requested{false};
+int g_alive = 0;  // of the main thread alone
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void on_signal(int signal) {
@@ -23,6 +24,7 @@ void on_signal(int signal) {
 }  // namespace
 
 Interrupt::Interrupt() {
+  if (g_alive++ > 0) return;
   for (const int signal : kSignals) {
     // A parent that ignores the signal (nohup, a background job) keeps its wish.
     if (std::signal(signal, on_signal) == SIG_IGN) std::signal(signal, SIG_IGN);
@@ -30,6 +32,7 @@ Interrupt::Interrupt() {
 }
 
 Interrupt::~Interrupt() {
+  if (--g_alive > 0) return;
   for (const int signal : kSignals) {
     if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
   }

@@ -30,6 +30,7 @@ namespace {
 constexpr int kDone = 0;
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
+constexpr int kInterrupted = 130;  // as shells report SIGINT; of SIGTERM too, which is handled alike
 
 int fail(int code, const std::string& message, const std::string& hint = {}) {
   std::cerr << "candela: " << one_line(message) << '\n' << hint;
@@ -81,7 +82,10 @@ int run(int argc, char** argv) {
   const Verb check = add_check(app);
   const Verb view = add_view(app);
   const Verb figures = add_figures(app);
-  app.footer("`candela VERB --help` tells more, with examples.");  // last, because verbs inherit it
+  app.footer(
+      "`candela VERB --help` tells more, with examples.\n"
+      "Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work "
+      "left.");  // last, because verbs inherit it
 
   try {
     app.parse(argc, argv);
@@ -114,6 +118,8 @@ int main(int argc, char** argv) {
   using namespace candela::cli;
   try {
     return run(argc, argv);
+  } catch (const candela::Interrupted& stop) {
+    return fail(kInterrupted, std::string("interrupted: ") + stop.what());
   } catch (const std::bad_alloc&) {
     return fail(kFailed, "out of memory");
   } catch (const std::exception& error) {

@@ -7,7 +7,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
-#include <optional>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -44,36 +44,46 @@ void write_outputs(const std::vector<fs::path>& paths, const Film& film, const D
 
 namespace {
 
-/// Where %d or %0Nd stands in a name, and N; empty unless it stands there once.
-struct FrameNumber {
-  std::size_t begin = 0, end = 0;
+/// A name with a place for a number: %d, or %0Nd with N digits. %% is a %, as is any other.
+struct FramePattern {
+  std::string before, after;
   int digits = 0;
+  int places = 0;
 };
-std::optional<FrameNumber> find_frame_number(const std::string& name) {
-  std::optional<FrameNumber> found;
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    if (name[i] != '%') continue;
-    FrameNumber number{.begin = i, .end = i + 1};
-    if (number.end + 1 < name.size() && name[number.end] == '0' && name[number.end + 1] >= '1' &&
-        name[number.end + 1] <= '9') {
-      number.digits = name[number.end + 1] - '0';
-      number.end += 2;
+FramePattern parse_pattern(const std::string& name) {
+  // Of a folder's name everything is itself.
+  const std::size_t slash = name.rfind('/');
+  const std::size_t begin = slash == std::string::npos ? 0 : slash + 1;
+  FramePattern pattern;
+  pattern.before = name.substr(0, begin);
+  for (std::size_t i = begin; i < name.size(); ++i) {
+    std::string& text = pattern.places > 0 ? pattern.after : pattern.before;
+    const std::string_view rest = std::string_view(name).substr(i);
+    const bool has_digits = rest.size() > 3 && rest[1] == '0' && rest[2] >= '1' && rest[2] <= '9' && rest[3] == 'd';
+    if (rest.starts_with("%d") || (rest[0] == '%' && has_digits)) {
+      if (++pattern.places == 1) pattern.digits = has_digits ? rest[2] - '0' : 0;
+      i += has_digits ? 3 : 1;
+      continue;
     }
-    if (number.end >= name.size() || name[number.end] != 'd' || found) return std::nullopt;
-    ++number.end;
-    found = number;
+    if (rest.starts_with("%%")) ++i;
+    text += rest[0];
   }
-  return found;
+  return pattern;
 }
 
 }  // namespace
 
-bool is_frame_pattern(const std::string& name) { return find_frame_number(name).has_value(); }
+bool is_frame_pattern(const std::string& name) { return parse_pattern(name).places == 1; }
 
 std::string frame_name(const std::string& pattern, int index) {
-  const std::optional<FrameNumber> number = find_frame_number(pattern);
-  if (!number) return pattern;
-  return pattern.substr(0, number->begin) + fmt::format("{:0{}}", index, number->digits) + pattern.substr(number->end);
+  const FramePattern p = parse_pattern(pattern);
+  return p.before + fmt::format("{:0{}}", index, p.digits) + p.after;
+}
+
+std::string literal_in_pattern(const std::string& name) {
+  std::string text;
+  for (const char c : name) text += c == '%' ? "%%" : std::string(1, c);
+  return text;
 }
 
 }  // namespace candela::cli

@@ -16,10 +16,12 @@ bool has_extension(const std::filesystem::path& path, std::string_view extension
 /// Throws Error unless a file can appear at `path`: its folder exists and may be written.
 void check_writable(const std::filesystem::path& path);
 
-/// Whether a name holds one number to be filled in: %d, or %03d with leading zeros.
+/// Whether a file's name (not that of its folder) holds one number to be filled in: %d, or %03d with leading zeros.
 bool is_frame_pattern(const std::string& name);
-/// The name of frame `index` of a pattern.
+/// The name of frame `index` of a pattern. %% is a %.
 std::string frame_name(const std::string& pattern, int index);
+/// `name` with each % so that it is one in a pattern.
+std::string literal_in_pattern(const std::string& name);
 
 /// Writes `film` to each path, each file whole or not at all.
 void write_outputs(const std::vector<std::filesystem::path>& paths, const Film& film, const DevelopSettings& develop);

@@ -42,27 +42,32 @@ std::string progress_text(const path::Progress& p) {
 
 }  // namespace
 
-ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), terminal_(stderr_is_terminal()), next_line_s_(kLineSeconds) {}
+ProgressLine::ProgressLine(bool quiet) : quiet_(quiet), terminal_(stderr_is_terminal()) {}
 
 ProgressLine::~ProgressLine() { clear(); }
 
-void ProgressLine::phase(const std::string& text) {
-  if (!quiet_ && terminal_) show(text);
+bool ProgressLine::is_time_for_a_line() {
+  const auto now = std::chrono::steady_clock::now();
+  if (std::chrono::duration<double>(now - last_line_).count() < kLineSeconds) return false;
+  last_line_ = now;
+  return true;
 }
 
-void ProgressLine::update(const path::Progress& progress) {
+void ProgressLine::phase(const std::string& text) {
   if (quiet_) return;
-  const std::string text = progress_text(progress);
-  if (!terminal_) {
-    if (progress.seconds < next_line_s_) return;
-    next_line_s_ = progress.seconds + kLineSeconds;
-    put(text + "\n");
-    return;
-  }
+  if (terminal_) return show(text);
+  if (is_time_for_a_line()) put(one_line(text) + "\n");
+}
+
+void ProgressLine::update(const path::Progress& progress) { update(progress.fraction, progress_text(progress)); }
+
+void ProgressLine::update(double fraction, const std::string& text) {
+  if (quiet_) return;
+  if (!terminal_) return phase(text);
   constexpr int kWidest = 40;
   const int width = std::min(kWidest, terminal_columns() - static_cast<int>(text.size()) - 4);
   if (width < 4) return show(text);
-  const auto full = static_cast<std::size_t>(std::lround(std::clamp(progress.fraction, 0.0, 1.0) * width));
+  const auto full = static_cast<std::size_t>(std::lround(std::clamp(fraction, 0.0, 1.0) * width));
   show(fmt::format("[{:#<{}}{:.<{}}] {}", "", full, "", static_cast<std::size_t>(width) - full, text));
 }
 

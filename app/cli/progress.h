@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 
 #include "base/diagnostics.h"
@@ -16,20 +17,21 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  void phase(const std::string& text);  ///< terminal only: replaced by whatever comes next
+  void phase(const std::string& text);  ///< replaced by whatever comes next
   void update(const path::Progress& progress);
-  void line(const std::string& text);  ///< stays on the screen
+  void update(double fraction, const std::string& text);  ///< a bar for a share of the work, and words
+  void clear();                                           ///< before something else is printed on the terminal
+  void line(const std::string& text);                     ///< stays on the screen
   void warn(const Diagnostic& warning);
-  bool is_live() const { return terminal_; }  ///< phase() is seen
 
  private:
   void show(const std::string& text);
-  void clear();
+  bool is_time_for_a_line();
 
   bool quiet_;
   bool terminal_;
   bool shown_ = false;
-  double next_line_s_ = 0.0;
+  std::chrono::steady_clock::time_point last_line_ = std::chrono::steady_clock::now();
 };
 
 /// "850 ms", "2.3 s", "42 s", "4 min 05 s", "2 h 03 min".

@@ -18,9 +18,10 @@
 #include "cli/interrupt.h"
 #include "cli/output.h"
 #include "cli/progress.h"
-#include "cli/render_options.h"
+#include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "image/image_file.h"
 #include "raster/image_light.h"
 
 namespace candela::cli {
@@ -43,29 +44,16 @@ struct Job {
   explicit Job(Asset opened) : asset(std::move(opened)) {}
 
   Asset asset;
-  bool is_moving = false;         ///< an animation is shown
-  std::vector<double> moments_s;  ///< of each picture, from the animation's start
-  bool has_own_camera = false;    ///< which may move
-  Scene scene;                    ///< of the first picture
+  bool is_moving = false;                  ///< an animation is shown
+  std::vector<double> moments_s;           ///< of each picture, from the animation's start
+  std::optional<std::size_t> camera_node;  ///< the scene's own camera that is looked through for want of another
+  bool has_own_camera = false;             ///< which may move
+  Scene scene;                             ///< of the first picture
   Environment environment;
   std::vector<View> views;
   DevelopSettings develop;
   std::string camera;  ///< in words, for the EXR header
 };
-
-/// Never overwrite what the picture is made from, and find out about an unwritable path before hours of work.
-void check_paths(const RenderOptions& o) {
-  std::vector<fs::path> written;
-  for (const std::string& output : o.outputs) written.emplace_back(frame_name(output, 0));
-  if (o.stats && *o.stats != "-") written.push_back(*o.stats);
-  for (const fs::path& path : written) {
-    for (const std::string& source : {o.scene, o.environment.value_or("")}) {
-      std::error_code code;
-      if (fs::equivalent(path, source, code)) throw Error("is an input of this picture", path.string());
-    }
-    check_writable(path);
-  }
-}
 
 raster::Settings raster_settings(const RenderOptions& o) {
   raster::Settings settings;
@@ -75,6 +63,7 @@ raster::Settings raster_settings(const RenderOptions& o) {
   settings.msaa = o.msaa;
   settings.background = o.settings.background == path::Background::transparent ? raster::Background::transparent
                                                                                : raster::Background::environment;
+  settings.environment_in_glass = o.settings.environment_in_glass;
   settings.shading = o.settings.shading;
   settings.layers = o.settings.layers;
   settings.occlusion_radius = o.occlusion_radius;
@@ -101,7 +90,27 @@ void check_memory(const RenderOptions& o) {
 
 std::string vec3_text(vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
 
-View choose_view(const RenderOptions& o, const Scene& scene, std::string& description) {
+/// Which camera of the scene is looked through where no option says it, and a word on cameras and framings that show
+/// nothing.
+std::optional<std::size_t> choose_camera(const RenderOptions& o, const Scene& scene, Diagnostics& diagnostics) {
+  const float aspect = static_cast<float>(o.size.x) / static_cast<float>(o.size.y);
+  std::optional<std::size_t> node;
+  const auto emptiness = find_emptiness(scene);
+  const bool is_empty = emptiness && world_bounds(scene).empty();
+  if (o.camera) {
+    if (!is_empty && !sees_something(scene, scene_camera(scene, *o.camera, aspect))) {
+      diagnostics.warn(fmt::format("the camera {} sees nothing of the scene", *o.camera), o.scene);
+    }
+  } else if (!o.eye && !o.orbit) {
+    node = default_camera(scene, aspect, &diagnostics);
+  }
+  const bool is_framed = !o.camera && !o.eye && !node;
+  if (emptiness && (is_empty || is_framed)) diagnostics.warn(emptiness->message, o.scene);
+  return node;
+}
+
+View choose_view(const RenderOptions& o, const Scene& scene, std::optional<std::size_t> camera_node,
+                 std::string& description) {
   const float aspect = static_cast<float>(o.size.x) / static_cast<float>(o.size.y);
   const float yfov = o.fov.value_or(PerspectiveCamera{}.yfov);
   if (o.eye) {
@@ -116,16 +125,20 @@ View choose_view(const RenderOptions& o, const Scene& scene, std::string& descri
     return frame_box(subject_bounds(scene), aspect, yfov, *o.orbit);
   }
   description = o.camera ? "camera " + *o.camera : "default";
-  View view = o.camera ? scene_camera(scene, *o.camera, aspect) : default_view(scene, aspect);
+  if (!o.camera && !camera_node) return frame_box(subject_bounds(scene), aspect, yfov);
+  View view =
+      o.camera ? scene_camera(scene, *o.camera, aspect) : scene_camera(scene, scene.nodes[*camera_node], aspect);
   if (!o.fov) return view;
   auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
   if (perspective == nullptr) throw Error("the scene's camera is orthographic and has no field of view", "--fov");
-  if (!has_camera(scene)) return frame_box(subject_bounds(scene), aspect, yfov);
   perspective->yfov = *o.fov;
   return view;
 }
 
 void set_lens(const RenderOptions& o, const Scene& scene, View& view) {
+  if (o.vignetting > 0.0f && !std::holds_alternative<PerspectiveCamera>(view.projection)) {
+    throw Error("an orthographic camera has no lens", "--vignetting");
+  }
   view.lens.vignetting = o.vignetting;
   if (o.f_number) {
     const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
@@ -172,15 +185,27 @@ std::vector<View> all_around(const View& view, vec3 center, int count) {
 
 /// What several scenes of one run share.
 struct Shared {
-  std::map<std::string, Environment> environments;  ///< by name or path
-  std::unique_ptr<raster::Session> session;         ///< opened when the first picture needs it
+  struct Loaded {
+    Environment environment;
+    Diagnostics diagnostics;  ///< each scene hears of them
+  };
+  std::map<std::string, Loaded> environments;  ///< by name or path
+  std::unique_ptr<raster::Session> session;    ///< opened when the first picture needs it
 
-  const Environment& environment(const std::string& name) {
-    const auto found = environments.find(name);
-    if (found != environments.end()) return found->second;
-    return environments.emplace(name, make_environment(name)).first->second;
+  const Environment& environment(const std::string& name, Diagnostics& diagnostics) {
+    auto found = environments.find(name);
+    if (found == environments.end()) {
+      Loaded loaded;
+      loaded.environment = make_environment(name, &loaded.diagnostics);
+      found = environments.emplace(name, std::move(loaded)).first;
+    }
+    for (const Diagnostic& warning : found->second.diagnostics.warnings())
+      diagnostics.warn(warning.message, warning.where);
+    return found->second.environment;
   }
-  raster::Session& raster() {
+  raster::Session& raster(int threads) {
+    // Mesa's processor driver has threads of its own.
+    if (session == nullptr && threads > 0) setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 0);
     if (session == nullptr) session = std::make_unique<raster::Session>();
     return *session;
   }
@@ -199,7 +224,7 @@ Scene scene_at(const RenderOptions& o, Job& job, double moment_s) {
 View view_at(const RenderOptions& o, const Job& job, const Scene& scene, std::size_t index) {
   if (!job.has_own_camera) return job.views[std::min(index, job.views.size() - 1)];
   std::string description;
-  View view = choose_view(o, scene, description);
+  View view = choose_view(o, scene, job.camera_node, description);
   set_lens(o, scene, view);
   return view;
 }
@@ -222,40 +247,41 @@ void choose_moments(const RenderOptions& o, Job& job, Diagnostics& diagnostics) 
   }
 }
 
-Job prepare(const RenderOptions& o, Shared& shared, Diagnostics& diagnostics) {
-  Job job(Asset(o.scene, &diagnostics, o.variant));
+void prepare(const RenderOptions& o, Shared& shared, Job& job, Diagnostics& diagnostics) {
   choose_moments(o, job, diagnostics);
   job.scene = scene_at(o, job, job.moments_s[0]);
-  job.environment = shared.environment(o.environment.value_or(default_environment(job.scene)));
+  job.environment = shared.environment(o.environment.value_or(default_environment(job.scene)), diagnostics);
   job.environment.rotation += o.environment_rotation;
   job.environment.intensity *= o.environment_intensity;
-  View view = choose_view(o, job.scene, job.camera);
+  job.camera_node = choose_camera(o, job.scene, diagnostics);
+  View view = choose_view(o, job.scene, job.camera_node, job.camera);
   set_lens(o, job.scene, view);
-  job.has_own_camera = has_camera(job.scene) && job.is_moving && !o.eye && !o.orbit && !o.turntable;
+  job.has_own_camera = (o.camera || job.camera_node) && job.is_moving && !o.turntable;
   job.views = all_around(view, o.target.value_or(subject_bounds(job.scene).center()), o.turntable.value_or(1));
   job.develop = default_develop(job.scene, job.environment);
   if (o.exposure) job.develop.exposure = *o.exposure;
   job.develop.tone_curve = o.tone_curve;
   job.develop.bloom = o.bloom;
-  if (raster::is_of_surface(o.quantity) || o.quantity == raster::Quantity::luminance ||
-      o.quantity == raster::Quantity::non_finite) {
+  if (shows_numbers(o.quantity)) {
     // Numbers, not light: shown as they are.
     job.develop.exposure = 1.0f;
     job.develop.tone_curve = ToneCurve::linear;
   }
   job.develop.background = o.background.color;
 
-  if (world_bounds(job.scene).empty()) diagnostics.warn("nothing in the scene has a mesh", o.scene);
   for (const fs::path output : o.outputs) {
     if (is_linear_format(output) && o.develop_given) {
       diagnostics.warn("--exposure, --tonemap and --bloom have no effect on linear radiance", output.string());
+    }
+    if (o.background.color && has_extension(output, ".hdr")) {
+      diagnostics.warn("--background's colour has no effect on linear radiance, and this format has no transparency",
+                       output.string());
     }
     const bool keeps_alpha = has_extension(output, ".png") || has_extension(output, ".exr");
     if (o.background.kind == path::Background::transparent && !o.background.color && !keeps_alpha) {
       diagnostics.warn("this format has no transparency", output.string());
     }
   }
-  return job;
 }
 
 /// With --strict the first warning ends the work; `shown` of them were printed already.
@@ -345,6 +371,40 @@ void add(const path::Statistics& picture, path::Statistics& all) {
   all.instances = picture.instances;
   all.mean_samples_per_pixel = picture.mean_samples_per_pixel;
   all.interrupted |= picture.interrupted;
+  all.timed_out |= picture.timed_out;
+  if (!picture.noise) return;
+  if (!all.noise) all.noise.emplace();
+  all.noise->share_above = std::max(all.noise->share_above, picture.noise->share_above);
+  all.noise->worst = std::max(all.noise->worst, picture.noise->worst);
+}
+
+const char* end_of(const path::Statistics& s) { return s.interrupted ? "interrupt" : s.timed_out ? "time" : "samples"; }
+
+/// A picture that is noisier than was asked for does not show it by itself.
+void warn_of_noise(const RenderOptions& o, const path::Statistics& s, Diagnostics& diagnostics) {
+  if (!s.noise || s.noise->share_above <= 0.0) return;
+  const std::string why = s.interrupted ? "the interruption"
+                          : s.timed_out ? "--time"
+                                        : fmt::format("the limit of {} samples per pixel (--spp)", o.settings.samples);
+  const std::string worst =
+      std::isfinite(s.noise->worst) ? fmt::format("{:.2g}", s.noise->worst) : std::string("unknown");
+  const double percent = 100.0 * s.noise->share_above;
+  diagnostics.warn(
+      fmt::format("the noise target {:g} was not reached in {} % of the pixels, the worst of which is {}: "
+                  "stopped by {}",
+                  *o.settings.noise, percent < 1.0 ? "less than 1" : fmt::format("{:.0f}", percent), worst, why),
+      o.scene);
+}
+
+nlohmann::ordered_json noise_json(const RenderOptions& o, const path::Statistics& s) {
+  if (!s.noise) return nullptr;
+  nlohmann::ordered_json json{{"target", *o.settings.noise},
+                              {"reached", s.noise->share_above <= 0.0},
+                              {"share_above", s.noise->share_above},
+                              {"worst", nullptr},
+                              {"stopped_by", s.noise->share_above <= 0.0 ? "noise" : end_of(s)}};
+  if (std::isfinite(s.noise->worst)) json["worst"] = s.noise->worst;
+  return json;
 }
 
 std::string stats_json(const RenderOptions& o, const path::Statistics& s, const Times& times, int threads,
@@ -372,19 +432,11 @@ std::string stats_json(const RenderOptions& o, const path::Statistics& s, const 
       {"triangles", s.triangles},
       {"instances", s.instances},
       {"interrupted", s.interrupted},
+      {"noise", noise_json(o, s)},
       {"warnings", nlohmann::ordered_json::array()}};
   for (const Diagnostic& warning : diagnostics.warnings()) json["warnings"].push_back(warning.text());
   // File names are bytes, JSON is UTF-8: what is not becomes a replacement character.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
-
-/// The files of picture `index`.
-std::vector<fs::path> outputs_of(const RenderOptions& o, std::size_t index) {
-  std::vector<fs::path> paths;
-  for (const std::string& output : o.outputs) {
-    paths.emplace_back(o.has_many_pictures() ? frame_name(output, static_cast<int>(index)) : output);
-  }
-  return paths;
 }
 
 /// The mean of the moments while the shutter is open.
@@ -417,6 +469,8 @@ Film trace_moving(const RenderOptions& o, Job& job, std::size_t index, const pat
     ++settings.seed;
   }
   statistics.mean_samples_per_pixel = samples_per_pixel;
+  // Of the mean; each moment had a target of its own.
+  if (statistics.noise && moments > 0) statistics.noise->worst /= std::sqrt(static_cast<float>(moments));
   // Interrupted, it is the mean of the moments so far.
   Film mean;
   if (moments > 0) accumulate(sum, 1.0f / static_cast<float>(moments), mean);
@@ -443,7 +497,7 @@ Film trace(const RenderOptions& o, Job& job, std::size_t index, ProgressLine& pr
   } else {
     film = render(job.scene, job.environment, job.views[index], o.settings, &statistics, callbacks);
   }
-  if (statistics.samples == 0) throw Error("interrupted before the first sample: no picture", o.scene);
+  if (statistics.samples == 0) throw Interrupted("before the first sample: no picture");
   return film;
 }
 
@@ -476,6 +530,7 @@ std::string raster_stats_json(const RenderOptions& o, const raster::Statistics& 
                               {"draws", s.draws},
                               {"triangles", s.triangles},
                               {"non_finite_pixels", s.non_finite_pixels},
+                              {"interrupted", s.interrupted},
                               {"warnings", nlohmann::ordered_json::array()}};
   for (const Diagnostic& warning : diagnostics.warnings()) json["warnings"].push_back(warning.text());
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
@@ -493,20 +548,34 @@ void keep_exposure(const RenderOptions& o, const Film& film, DevelopSettings& de
   if (o.has_many_pictures() && !develop.exposure) develop.exposure = metered_exposure(film);
 }
 
+/// What became of the pictures of one scene.
+struct Outcome {
+  std::size_t asked = 0;
+  std::size_t done = 0;
+  bool is_interrupted = false;      ///< with samples, frames or pictures left
+  bool is_last_unfinished = false;  ///< of those that are done
+};
+
 /// Pictures by the rasterizer, from what is loaded to what is written.
-void draw(const RenderOptions& o, Job& job, Shared& shared, Times& times, const Stopwatch& total,
-          Diagnostics& diagnostics, ProgressLine& progress) {
+Outcome draw(const RenderOptions& o, Job& job, Shared& shared, Times& times, const Stopwatch& total,
+             Diagnostics& diagnostics, ProgressLine& progress) {
   progress.phase("drawing");
+  const Interrupt interrupt;
+  Outcome outcome{.asked = job.moments_s.size()};
   raster::Statistics statistics;
   const raster::Settings settings = raster_settings(o);
   DevelopSettings develop = job.develop;
+  int frames_before = 0;
   const auto take = [&](std::size_t index, Film film) {
-    film.metadata.merge(metadata(o, job, settings.frames));
+    const int frames = statistics.frames - frames_before;
+    frames_before = statistics.frames;
+    outcome.is_last_unfinished = frames < settings.frames;
+    film.metadata.merge(metadata(o, job, frames));
     keep_exposure(o, film, develop);
     const Stopwatch writing;
     write_outputs(outputs_of(o, index), film, develop);
     times.write_s += writing.seconds();
-    progress.phase(fmt::format("drawing {} of {}", index + 1, job.moments_s.size()));
+    ++outcome.done;
   };
   Scene moved;
   raster::MomentOf moment;
@@ -520,27 +589,40 @@ void draw(const RenderOptions& o, Job& job, Shared& shared, Times& times, const 
   std::vector<View> views = job.views;
   views.resize(job.moments_s.size(), views.back());
   constexpr int kProbeSamples = 64;
-  if (o.probes > 0) progress.phase("tracing probes");
-  shared.raster().set_probes(bake_probes(job.scene, job.environment, o.probes, kProbeSamples));
-  shared.raster().draw(job.scene, job.environment, views, settings, diagnostics, take, &statistics, moment);
+  path::Callbacks of_probes;
+  of_probes.progress = [&](const path::Progress& p) { progress.update(p.fraction, "tracing probes"); };
+  of_probes.stop = &Interrupt::requested();
+  raster::Callbacks of_frames;
+  of_frames.progress = [&](const raster::Progress& p) {
+    const std::string picture = p.pictures > 1 ? fmt::format("picture {} of {}, ", p.picture + 1, p.pictures) : "";
+    progress.update(p.fraction, fmt::format("{}frame {} of {}", picture, p.frame, settings.frames));
+  };
+  of_frames.stop = &Interrupt::requested();
+  shared.raster(o.threads).set_probes(bake_probes(job.scene, job.environment, o.probes, kProbeSamples, of_probes));
+  shared.raster(o.threads).draw(job.scene, job.environment, views, settings, diagnostics, take, &statistics, moment,
+                                of_frames);
+  outcome.is_interrupted = statistics.interrupted;
   times.total_s = total.seconds();
   if (statistics.non_finite_pixels > 0) {
     diagnostics.warn(fmt::format("{} pixels were not finite and are black", statistics.non_finite_pixels), o.scene);
   }
   for (const std::string& output : o.outputs) {
-    progress.line(fmt::format("{}: {}x{}, {} {} in {}, {} each, on {}", output, o.size.x, o.size.y, statistics.frames,
+    progress.line(fmt::format("{}{}: {}x{}, {} {} in {}, {} each, on {}", outcome.is_interrupted ? "interrupted, " : "",
+                              output, o.size.x, o.size.y, statistics.frames,
                               statistics.frames == 1 ? "frame" : "frames", duration_text(times.total_s),
                               duration_text(statistics.frame_s / statistics.frames), statistics.driver));
   }
   if (o.stats) write_stats(o, raster_stats_json(o, statistics, times, diagnostics));
+  return outcome;
 }
 
 /// Pictures by the path tracer.
-void trace_all(const RenderOptions& o, Job& job, int threads, Times& times, const Stopwatch& total,
-               Diagnostics& diagnostics, ProgressLine& progress) {
+Outcome trace_all(const RenderOptions& o, Job& job, int threads, Times& times, const Stopwatch& total,
+                  Diagnostics& diagnostics, ProgressLine& progress) {
+  Outcome outcome{.asked = job.moments_s.size()};
   path::Statistics statistics;
   DevelopSettings develop = job.develop;
-  for (std::size_t index = 0; index < job.moments_s.size() && !statistics.interrupted; ++index) {
+  for (std::size_t index = 0; index < job.moments_s.size() && !outcome.is_interrupted; ++index) {
     progress.phase("building");
     path::Statistics of_picture;
     Film film = trace(o, job, index, progress, of_picture);
@@ -551,6 +633,7 @@ void trace_all(const RenderOptions& o, Job& job, int threads, Times& times, cons
     const std::vector<fs::path> outputs = outputs_of(o, index);
     keep_exposure(o, film, develop);
     write_outputs(outputs, film, develop);
+    ++outcome.done;
     times.write_s += writing.seconds();
     times.total_s = total.seconds();
     for (const fs::path& output : outputs) {
@@ -559,54 +642,74 @@ void trace_all(const RenderOptions& o, Job& job, int threads, Times& times, cons
                                 film.height(), of_picture.mean_samples_per_pixel, duration_text(times.total_s),
                                 static_cast<double>(of_picture.samples) / std::max(of_picture.render_s, 1e-9) * 1e-6));
     }
+    outcome.is_last_unfinished = of_picture.interrupted;
+    outcome.is_interrupted = of_picture.interrupted || (outcome.done < outcome.asked && Interrupt::requested());
   }
+  statistics.interrupted = outcome.is_interrupted;
   if (statistics.non_finite_samples > 0) {
     diagnostics.warn(fmt::format("{} samples were not finite and are left out", statistics.non_finite_samples),
                      o.scene);
   }
+  warn_of_noise(o, statistics, diagnostics);
   if (o.stats) write_stats(o, stats_json(o, statistics, times, threads, diagnostics));
+  return outcome;
 }
 
-void render_scene(const RenderOptions& o, Shared& shared, int threads, ProgressLine& progress) {
+Outcome render_scene(const RenderOptions& given, Inputs inputs, Shared& shared, int threads, ProgressLine& progress) {
   const Stopwatch total;
+  RenderOptions o = given;
+  // What is wrong with a name that was given is told before anything is loaded.
+  if (!o.has_default_name) check_overwriting(o, inputs);
   check_paths(o);
   progress.phase("loading " + o.scene);
   Diagnostics diagnostics;
-  Job job = prepare(o, shared, diagnostics);
+  Job job(Asset(o.scene, &diagnostics, o.variant));
+  inputs.add(job.asset.files());
+  choose_default_name(o, inputs);
+  check_overwriting(o, inputs);
+  prepare(o, shared, job, diagnostics);
   Times times{.load_s = total.seconds()};
   report_warnings(o, diagnostics, 0, progress);
   const std::size_t reported = diagnostics.warnings().size();
-  if (o.engine == Engine::raster) {
-    draw(o, job, shared, times, total, diagnostics, progress);
-  } else {
-    trace_all(o, job, threads, times, total, diagnostics, progress);
-  }
+  const Outcome outcome = o.engine == Engine::raster ? draw(o, job, shared, times, total, diagnostics, progress)
+                                                     : trace_all(o, job, threads, times, total, diagnostics, progress);
   report_warnings(o, diagnostics, reported, progress);
+  return outcome;
+}
+
+/// A set that was stopped is not what was asked for, unlike one picture, which is there with fewer samples.
+void report_interruption(std::size_t done, std::size_t asked, bool is_last_unfinished) {
+  throw Interrupted(
+      fmt::format("{} of {} pictures are there{}", done, asked, is_last_unfinished ? ", the last one unfinished" : ""));
 }
 
 /// A picture of each scene, whatever becomes of the others; throws at the end when one has none.
-void render_batch(const RenderOptions& o, Shared& shared, int threads, ProgressLine& progress) {
+void render_batch(const RenderOptions& o, Inputs inputs, Shared& shared, int threads, ProgressLine& progress) {
   const fs::path folder = o.outputs[0];
   std::error_code code;
   fs::create_directories(folder, code);
   if (code) throw Error("cannot be made: " + code.message(), folder.string());
-  std::map<std::string, int> taken;
-  std::size_t failed = 0;
-  for (const std::string& scene : o.scenes) {
+  // The picture of one scene must not be a texture of the next.
+  add_scene_files(o.scenes, inputs);
+  const std::vector<fs::path> outputs = batch_outputs(o.scenes, folder, inputs);
+  std::size_t failed = 0, done = 0;
+  bool is_last_unfinished = false;
+  for (std::size_t i = 0; i < o.scenes.size() && !Interrupt::requested(); ++i) {
     RenderOptions one = o;
-    one.scene = scene;
-    // Two files of one name in two folders do not overwrite each other.
-    const int count = ++taken[default_stem(scene)];
-    one.outputs = {(folder / (default_stem(scene) + (count > 1 ? fmt::format("-{}", count) : "") + ".png")).string()};
+    one.scene = o.scenes[i];
+    one.outputs = {outputs[i].string()};
     try {
-      render_scene(one, shared, threads, progress);
+      const Outcome outcome = render_scene(one, inputs, shared, threads, progress);
+      done += outcome.done;
+      is_last_unfinished = outcome.is_last_unfinished;
     } catch (const Error& error) {
       if (o.scenes.size() == 1) throw;
       ++failed;
       progress.warn({error.message(), error.where()});
     }
-    if (Interrupt::requested()) break;
   }
+  const bool is_cut_short = is_last_unfinished || done + failed < o.scenes.size();
+  if (is_cut_short && o.scenes.size() > 1) report_interruption(done, o.scenes.size(), is_last_unfinished);
   if (failed > 0) throw Error(fmt::format("{} of {} scenes have no picture", failed, o.scenes.size()), folder.string());
 }
 
@@ -615,10 +718,13 @@ void run_render(const RenderOptions& o) {
   check_memory(o);
   const ThreadLimit threads(o.threads);
   Shared shared;
-  if (o.is_batch) {
-    render_batch(o, shared, threads.threads(), progress);
-  } else {
-    render_scene(o, shared, threads.threads(), progress);
+  const bool is_set = o.has_many_pictures() || o.scenes.size() > 1;
+  std::optional<Interrupt> between;
+  if (is_set) between.emplace();
+  if (o.is_batch) return render_batch(o, inputs_of_options(o), shared, threads.threads(), progress);
+  const Outcome outcome = render_scene(o, inputs_of_options(o), shared, threads.threads(), progress);
+  if (is_set && outcome.is_interrupted) {
+    report_interruption(outcome.done, outcome.asked, outcome.is_last_unfinished);
   }
 }
 

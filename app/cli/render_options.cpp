@@ -42,7 +42,7 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
       ->group(group);
   add_value(verb, "--size", "WxH", o.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]")->group(group);
   add_value(verb, "--exposure", "auto|EV|f/N,1/T,ISO", o.exposure, parse_exposure,
-            "Metered, in stops, or as on a camera [the scene's wish; studio 0; else auto]")
+            "Metered, in stops, or as on a camera [the scene's wish; studio 0 unless outshone; else auto]")
       ->group(group);
   add_value(verb, "--tonemap", "CURVE", o.tone_curve, parse_tone_curve,
             "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")
@@ -52,6 +52,9 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
       ->group(group);
   add_value(verb, "--background", "env|transparent|COLOUR", o.background, parse_background,
             "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
+      ->group(group);
+  add_value(verb, "--glass", "background|env", o.settings.environment_in_glass, parse_glass,
+            "What clear glass before such a background shows through it [background]")
       ->group(group);
   add_value(verb, "--aov", "LIST", o.settings.layers, parse_layers,
             "Layers beside the picture in the .exr: albedo,normal,depth,position,id")
@@ -144,8 +147,9 @@ void add_light(CLI::App* verb, RenderOptions& o) {
   const auto degrees_within = [](float low, float high) {
     return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
   };
-  add_value(verb, "--env", "FILE|NAME", o.environment, text,
-            "An .exr or .hdr, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
+  add_value(
+      verb, "--env", "FILE|NAME", o.environment, text,
+      "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
       ->group(group);
   add_value(verb, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
             "Height of the sun: short for --env sky:DEG")
@@ -244,8 +248,8 @@ Examples:
   candela render city.gltf -o city.jpg --size 3840x2160 --time 10min --stats city.json
 
 A long render refreshes its output files every few seconds. Ctrl-C stops early and keeps the picture with the samples
-it has (exit code 0); a second Ctrl-C ends at once.
-Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage.)";
+or frames it has (exit code 0; 130 where pictures of a set are missing); a second Ctrl-C ends at once.
+Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work left.)";
 }
 
 /// Several scenes, or one into a folder.
@@ -268,7 +272,10 @@ void check_outputs(RenderOptions& o) {
   check_batch(o);
   if (o.is_batch) return;
   if (o.turntable && o.sequence) throw UsageError("--sequence: not together with --turntable");
-  if (o.outputs.empty()) o.outputs.push_back(default_stem(o.scene) + (o.has_many_pictures() ? "-%03d.png" : ".png"));
+  if (o.outputs.empty()) {
+    o.has_default_name = true;
+    o.outputs.push_back(default_output(o, 1));
+  }
   for (const std::string& output : o.outputs) {
     if (o.has_many_pictures() && !is_frame_pattern(output)) {
       throw UsageError("--output: " + output + " has no place for the number of a picture: NAME%03d.png");
@@ -307,14 +314,34 @@ void check_engine(const CLI::App& verb, const RenderOptions& o) {
     refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao", "--soft-shadows", "--light-radius", "--ambient",
             "--probes"},
            "only for --engine raster");
+    return;
+  }
+  if (shows_numbers(o.quantity)) {
+    const std::string why = "--view shows numbers, which are left as they are";
+    refuse({"--exposure", "--tonemap", "--bloom"}, why);
+    if (raster::is_of_surface(o.quantity)) refuse({"--msaa"}, why);
+  }
+  if (o.probes > 0) refuse({"--ambient"}, "without effect on light from --probes");
+  if (o.f_number && o.samples.value_or(2) == 1) {
+    throw UsageError("--f-number: of one frame everything is sharp: --spp 2 or more");
   }
 }
 
 }  // namespace
 
+bool shows_numbers(raster::Quantity quantity) {
+  return raster::is_of_surface(quantity) || quantity == raster::Quantity::luminance ||
+         quantity == raster::Quantity::non_finite;
+}
+
 std::string default_stem(const std::string& scene) {
   const std::string name = scene.starts_with("demo:") ? scene.substr(5) : fs::path(scene).stem().string();
   return name.empty() ? "picture" : name;
+}
+
+std::string default_output(const RenderOptions& o, int attempt) {
+  const std::string stem = default_stem(o.scene) + (attempt > 1 ? fmt::format("-{}", attempt) : "");
+  return o.has_many_pictures() ? literal_in_pattern(stem) + "-%03d.png" : stem + ".png";
 }
 
 CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
@@ -341,7 +368,7 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   check_engine(verb, o);
   constexpr int kDefaultSamples = 128;
   constexpr int kBlurFrames = 32;
-  const int default_frames = o.shutter_s > 0.0 ? kBlurFrames : 1;
+  const int default_frames = o.shutter_s > 0.0 || o.f_number ? kBlurFrames : 1;
   const bool open_ended = o.settings.time_limit_s || o.settings.noise;
   o.settings.samples = o.samples.value_or(o.engine == Engine::raster ? default_frames
                                           : open_ended               ? kOpenEndedSamples
@@ -349,6 +376,9 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   o.settings.width = o.size.x;
   o.settings.height = o.size.y;
   o.settings.background = o.background.kind;
+  if (verb.count("--glass") > 0 && o.background.kind == path::Background::environment) {
+    throw UsageError("--glass: without another --background glass shows the environment");
+  }
   o.develop_given = verb.count("--exposure") + verb.count("--tonemap") + verb.count("--bloom") > 0;
   if (o.light_radius > 0.0f) o.has_soft_shadows = true;
   o.focus_given = verb.count("--focus-distance") > 0;

@@ -21,6 +21,7 @@ struct RenderOptions {
   std::string scene;                 ///< the one at hand
   std::string variant;               ///< empty = the file's default look
   std::vector<std::string> outputs;  ///< with a turntable patterns of names; with several scenes one folder
+  bool has_default_name = false;     ///< no output was given
   bool is_batch = false;             ///< a picture of each scene into outputs[0], a folder
   std::optional<int> turntable;      ///< pictures all around
   std::optional<int> sequence;       ///< pictures over an animation
@@ -78,8 +79,15 @@ struct RenderOptions {
 /// Adds `render` with its options to `app`. They fill `options`, which must outlive the parsing.
 CLI::App* add_render_options(CLI::App& app, RenderOptions& options);
 
+/// Whether the rasterizer's picture is shown as it is, without exposure and tone curve.
+bool shows_numbers(raster::Quantity quantity);
+
 /// The name that a scene's picture has unless another is given: the file's, or that of a demo.
 std::string default_stem(const std::string& scene);
+
+/// The name of its picture, or the pattern of its pictures, where none is given; a second attempt and later ones have a
+/// number.
+std::string default_output(const RenderOptions& options, int attempt);
 
 /// Fills what follows from several options together and refuses combinations that make no sense (UsageError).
 void finish_options(const CLI::App& verb, RenderOptions& options);

@@ -225,6 +225,12 @@ BackgroundChoice parse_background(const std::string& text) {
   return {path::Background::transparent, parse_color(text)};
 }
 
+bool parse_glass(const std::string& text) {
+  if (text == "background") return false;
+  if (text == "env") return true;
+  throw UsageError(fmt::format("'{}' is neither 'background' nor 'env'", text));
+}
+
 std::optional<float> parse_focus(const std::string& text) {
   if (text == "auto") return std::nullopt;
   const auto [metres, unit] = leading_number(text);

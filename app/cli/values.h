@@ -41,6 +41,8 @@ struct BackgroundChoice {
   std::optional<vec3> color = {};  ///< linear; shows through where the film is transparent
 };
 BackgroundChoice parse_background(const std::string& text);
+/// Whether glass shows the environment.
+bool parse_glass(const std::string& text);
 enum class Engine { path, raster };
 Engine parse_engine(const std::string& text);
 raster::Ambient parse_ambient(const std::string& text);

@@ -13,7 +13,7 @@
 #include "candela/candela.h"
 #include "cli/option.h"
 #include "cli/output.h"
-#include "cli/render_options.h"
+#include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "gl/window.h"
@@ -72,7 +72,8 @@ class Viewer {
   raster::Settings settings_;
   std::unique_ptr<raster::Renderer> renderer_;
   Orbit orbit_;
-  bool is_turned_ = false;  ///< by the user, away from the scene's own camera
+  std::optional<std::size_t> camera_;  ///< the node of the scene's own
+  bool is_turned_ = false;             ///< by the user, away from it
   bool is_playing_ = false;
   double moment_s_ = 0.0, last_s_ = 0.0;
   bool is_broken_ = false;  ///< the shaders do not compile; the last picture stays
@@ -94,7 +95,7 @@ Viewer::Viewer(const ViewOptions& o)
     : options_(o),
       asset_(o.scene, &diagnostics_),
       scene_(asset_.scene()),
-      environment_(make_environment(o.environment.value_or(default_environment(scene_)))),
+      environment_(make_environment(o.environment.value_or(default_environment(scene_)), &diagnostics_)),
       bounds_(subject_bounds(scene_)),
       develop_(default_develop(scene_, environment_)),
       window_("candela: " + o.scene, o.size),
@@ -105,6 +106,8 @@ Viewer::Viewer(const ViewOptions& o)
   if (raster::is_lit_from_far(environment_)) {
     renderer_->set_light(raster::bake_light(environment_, raster::uses_sheen(scene_), settings_.cache));
   }
+  const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
+  camera_ = default_camera(scene_, aspect, &diagnostics_);
   renderer_->begin(view());
   for (const Diagnostic& warning : diagnostics_.warnings()) std::cerr << "warning: " << warning.text() << '\n';
   is_playing_ = asset_.is_animated();
@@ -114,14 +117,17 @@ Viewer::Viewer(const ViewOptions& o)
 
 View Viewer::view() const {
   const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
-  if (!is_turned_ && has_camera(scene_)) return default_view(scene_, aspect);
+  if (!is_turned_ && camera_) return scene_camera(scene_, scene_.nodes[*camera_], aspect);
   return frame_box(bounds_, aspect, PerspectiveCamera{}.yfov, orbit_);
 }
 
 void Viewer::save() {
   Film film;
   film.beauty = renderer_->read();
-  const fs::path path = default_stem(options_.scene) + ".png";
+  Inputs inputs;
+  inputs.add(asset_.files());
+  inputs.add_environment(options_.environment.value_or(""));
+  const fs::path path = free_name({}, default_stem(options_.scene), inputs);
   write_film(path, film, develop_);
   std::cerr << path.string() << '\n';
 }
@@ -216,7 +222,7 @@ Verb add_view(CLI::App& app) {
   verb->add_option("SCENE", options->scene, "A .glb or .gltf file, or a built-in demo:NAME")->required()->type_name("");
   add_value(
       verb, "--env", "FILE|NAME", options->environment, [](const std::string& value) { return value; },
-      "An .exr or .hdr, or studio, sky, furnace, none [the scene's wish, else studio]");
+      "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, furnace, none [the scene's wish, else studio]");
   add_value(verb, "--size", "WxH", options->size, parse_size, "Of the window, pixels [1280x720]");
   const auto folder = [](const std::string& value) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);

@@ -22,4 +22,9 @@ class Error : public std::runtime_error {
   std::string where_;
 };
 
+/// Work that was stopped from outside before it was done, and of which no result can be handed on.
+class Interrupted : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 }  // namespace candela

@@ -3,6 +3,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -50,6 +52,35 @@ bool is_device(const fs::path& path) {
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
   return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+std::uint64_t fingerprint(std::span<const std::byte> bytes, std::uint64_t before) {
+  // Fowler, Noll & Vo, draft-eastlake-fnv; the shift spreads what a product moves upwards only.
+  constexpr std::uint64_t kPrime = 0x100000001b3ull;
+  std::uint64_t h = before;
+  for (; bytes.size() >= 8; bytes = bytes.subspan(8)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data(), 8);
+    h = (h ^ word) * kPrime;
+    h ^= h >> 29;
+  }
+  for (const std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * kPrime;
+  return h;
+}
+
+std::string file_identity(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) == 0) {
+    return '#' + std::to_string(status.st_dev) + ':' + std::to_string(status.st_ino);
+  }
+  std::error_code code;
+  // A link to what is not there is made into a file at its own place.
+  fs::path real = fs::weakly_canonical(path, code);
+  if (real.empty()) real = path.lexically_normal();
+  std::string name = fs::absolute(real, code).string();
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name;
 }
 
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {

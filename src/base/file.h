@@ -18,6 +18,14 @@ std::vector<std::byte> read_head(const std::filesystem::path& path, std::size_t 
 /// Whether `path` exists and is neither a file nor a folder: a device or a pipe (links are followed).
 bool is_device(const std::filesystem::path& path);
 
+/// A number that tells whether bytes have changed by accident: FNV-1a over eight at a time, the last ones singly, each
+/// step mixed by a shift. No defence against malice.
+std::uint64_t fingerprint(std::span<const std::byte> bytes, std::uint64_t before = 0xcbf29ce484222325ull);
+
+/// Equal for two names of one file: through links, hard links and different spellings. Of what is not there yet the
+/// name itself, without regard to case.
+std::string file_identity(const std::filesystem::path& path);
+
 /// A file that appears whole or not at all: write to `temp_path()` (beside the target), then `commit()` renames it.
 /// Without commit the temporary file is removed. Throws Error where the folder cannot be written. A device or a pipe
 /// (/dev/stdout) is written to directly: temp_path() is the target itself.

@@ -12,7 +12,25 @@
 #include <thread>
 #include <vector>
 
+#include "base/error.h"
+
 namespace candela {
+
+namespace {
+
+thread_local const std::atomic<bool>* t_stop = nullptr;
+
+void throw_if_raised(const std::atomic<bool>* stop) {
+  if (stop != nullptr && stop->load(std::memory_order_relaxed)) throw Interrupted("nothing is kept of this work");
+}
+
+}  // namespace
+
+StopScope::StopScope(const std::atomic<bool>* stop) : outer_(t_stop) {
+  if (stop != nullptr) t_stop = stop;
+}
+StopScope::~StopScope() { t_stop = outer_; }
+void StopScope::check() { throw_if_raised(t_stop); }
 
 #ifdef __SANITIZE_THREAD__
 
@@ -20,12 +38,14 @@ namespace candela {
 // Plain threads leave it the races of the bodies, which are ours.
 void parallel_for(std::size_t begin, std::size_t end, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body) {
+  const std::atomic<bool>* const stop = t_stop;
   std::atomic<std::size_t> next{begin};
   std::mutex mutex;
   std::exception_ptr error;
   const auto work = [&] {
     try {
       for (std::size_t first = next.fetch_add(grain); first < end; first = next.fetch_add(grain)) {
+        throw_if_raised(stop);
         body(first, std::min(first + grain, end));
       }
     } catch (...) {
@@ -47,9 +67,13 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain,
 
 void parallel_for(std::size_t begin, std::size_t end, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body) {
+  const std::atomic<bool>* const stop = t_stop;
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(begin, end, grain),
-      [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); },
+      [&, stop](const tbb::blocked_range<std::size_t>& range) {
+        throw_if_raised(stop);
+        body(range.begin(), range.end());
+      },
       tbb::simple_partitioner{});
 }
 

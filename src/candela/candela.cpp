@@ -6,6 +6,7 @@
 
 #include "io/demo.h"
 #include "path/capture.h"
+#include "scene/brightness.h"
 
 namespace candela {
 
@@ -37,6 +38,10 @@ Scene Asset::scene(const std::optional<Pose>& pose) {
 
 bool Asset::is_animated() const { return file_ != nullptr && !file_->info().animations.empty(); }
 
+std::vector<io::ReferencedFile> Asset::files() const {
+  return file_ != nullptr ? file_->info().files : std::vector<io::ReferencedFile>();
+}
+
 double Asset::duration_s(const std::string& animation) const {
   double longest = 0.0;
   if (file_ == nullptr) return longest;
@@ -59,10 +64,32 @@ bool has_camera(const Scene& scene) {
   return std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.camera >= 0; });
 }
 
-View default_view(const Scene& scene, float aspect) {
-  // A camera is only somewhere when a node holds it.
-  for (const Node& node : scene.nodes) {
-    if (node.camera >= 0) return scene_camera(scene, std::to_string(node.camera), aspect);
+std::optional<std::size_t> default_camera(const Scene& scene, float aspect, Diagnostics* diagnostics) {
+  const auto found =
+      std::find_if(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.camera >= 0; });
+  if (found == scene.nodes.end()) return std::nullopt;
+  const auto index = static_cast<std::size_t>(found - scene.nodes.begin());
+  // Where nothing has a triangle every camera looks at the sky.
+  if (world_bounds(scene).empty()) return index;
+  std::string fault = "sees nothing of the scene";
+  try {
+    if (sees_something(scene, scene_camera(scene, *found, aspect))) return index;
+  } catch (const Error& error) {
+    fault = "cannot be looked through (" + error.message() + ")";
+  }
+  if (diagnostics != nullptr) {
+    const auto camera = static_cast<std::size_t>(found->camera);
+    const std::string& name = scene.cameras[camera].name;
+    diagnostics->warn("the camera " + std::to_string(number_of(scene.cameras, camera)) +
+                          (name.empty() ? "" : " '" + name + "'") + " " + fault + "; the whole scene is framed instead",
+                      scene.name);
+  }
+  return std::nullopt;
+}
+
+View default_view(const Scene& scene, float aspect, Diagnostics* diagnostics) {
+  if (const auto node = default_camera(scene, aspect, diagnostics)) {
+    return scene_camera(scene, scene.nodes[*node], aspect);
   }
   return frame_box(subject_bounds(scene), aspect, PerspectiveCamera{}.yfov);
 }
@@ -71,7 +98,10 @@ std::string default_environment(const Scene& scene) { return scene.preferred_env
 
 DevelopSettings default_develop(const Scene& scene, const Environment& environment) {
   DevelopSettings settings;
-  settings.exposure = scene.preferred_exposure ? scene.preferred_exposure : environment.exposure;
+  settings.exposure = scene.preferred_exposure;
+  if (!settings.exposure && environment.exposure && !outshines(scene, environment)) {
+    settings.exposure = environment.exposure;
+  }
   return settings;
 }
 
@@ -107,7 +137,8 @@ std::vector<vec3> spread(const Box3& bounds, int count) {
 
 }  // namespace
 
-std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples) {
+std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples,
+                                       const path::Callbacks& callbacks) {
   constexpr int kSize = 64;
   if (count <= 0) return {};
   const Box3 bounds = subject_bounds(scene);
@@ -116,7 +147,16 @@ std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& en
   settings.sees_lamps = false;
   std::vector<raster::Probe> probes;
   for (const vec3& position : spread(bounds, count)) {
-    const Cubemap seen = path::capture_environment(scene, environment, position, kSize, settings);
+    path::Callbacks of_probe = callbacks;
+    of_probe.progress = [&](path::Progress p) {
+      p.fraction = (static_cast<double>(probes.size()) + p.fraction) / count;
+      p.remaining_s.reset();
+      if (callbacks.progress) callbacks.progress(p);
+    };
+    path::Statistics statistics;
+    const Cubemap seen =
+        path::capture_environment(scene, environment, position, kSize, settings, &statistics, of_probe);
+    if (statistics.interrupted) throw Interrupted("while probes were traced: no picture");
     probes.push_back({position, bounds, raster::bake_light(seen.levels[0], raster::uses_sheen(scene))});
   }
   return probes;

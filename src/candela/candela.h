@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "scene/environment.h"
 #include "scene/scene.h"
 #include "scene/view.h"
+#include "scene/visibility.h"
 
 /// The library in three calls:
 ///
@@ -41,6 +43,8 @@ class Asset {
   /// Seconds that the animations of that name last, as Pose::animation names them; 0 where nothing moves.
   double duration_s(const std::string& animation) const;
   bool is_animated() const;
+  /// What it is read from: the file and all that it names; none of a built-in scene.
+  std::vector<io::ReferencedFile> files() const;
 
  private:
   std::string name_;
@@ -52,9 +56,13 @@ class Asset {
 /// Whether a camera stands somewhere in the scene: is held by a node.
 bool has_camera(const Scene& scene);
 
-/// The view a user would expect without saying more: the file's first camera, else the whole subject in three-quarter
-/// view.
-View default_view(const Scene& scene, float aspect);
+/// Which node's camera a user would expect to look through: the scene's first; none where there is none, or where it
+/// sees nothing although there is something to see, as when a file holds the view matrix in place of its inverse, which
+/// `diagnostics` then tells.
+std::optional<std::size_t> default_camera(const Scene& scene, float aspect, Diagnostics* diagnostics = nullptr);
+
+/// The view a user would expect without saying more: by default_camera, else the whole subject in three-quarter view.
+View default_view(const Scene& scene, float aspect, Diagnostics* diagnostics = nullptr);
 
 /// What the subject is framed by: world_bounds(), or a two metre cube about the origin when nothing has a mesh.
 Box3 subject_bounds(const Scene& scene);
@@ -62,7 +70,8 @@ Box3 subject_bounds(const Scene& scene);
 /// The light a scene wishes for, else "studio". A name for make_environment().
 std::string default_environment(const Scene& scene);
 
-/// The exposure a scene wishes for, else the one its environment is made for, else metered from the picture.
+/// The exposure a scene wishes for, else the one its environment is made for unless the scene's own lamps outshine it,
+/// else metered from the picture.
 DevelopSettings default_develop(const Scene& scene, const Environment& environment);
 /// The same under default_environment.
 DevelopSettings default_develop(const Scene& scene);
@@ -73,7 +82,9 @@ using path::render;
 
 /// Light as it arrives at `count` places spread over a scene, path traced with `samples` per texel; lamps and suns are
 /// left out, which the rasterizer draws as lights of their own. For raster::Session::set_probes.
-std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples);
+/// After a stop it throws Interrupted: light from half the sides would be wrong.
+std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples,
+                                       const path::Callbacks& callbacks = {});
 
 /// "0.1.0"
 const char* version();

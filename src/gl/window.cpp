@@ -3,6 +3,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <cstdlib>
 #include <utility>
 
 #include "base/error.h"
@@ -20,6 +21,15 @@ std::string last_error() {
   throw Error(what + " (" + last_error() + "); candela render --engine raster needs no display");
 }
 
+/// Whether the environment names a display. Libraries that look for one elsewhere print messages of their own.
+bool has_display() {
+  const auto is_set = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value != '\0';
+  };
+  return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET");
+}
+
 }  // namespace
 
 void Window::Deleter::operator()(GLFWwindow* window) const {
@@ -28,6 +38,7 @@ void Window::Deleter::operator()(GLFWwindow* window) const {
 }
 
 Window::Window(const std::string& title, ivec2 size) {
+  if (!has_display()) throw Error("cannot open a window: no display; candela render --engine raster needs no display");
   if (glfwInit() == GLFW_FALSE) fail("cannot open a window: no display");
   glfwWindowHint(GLFW_CLIENT_API, GLFW_OPENGL_ES_API);
   glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "ibl/cube.h"
 
 namespace candela::ibl {
@@ -42,8 +43,11 @@ std::string number(double v) {
 
 class Baker {
  public:
-  Baker(const Source& source, const BakeSettings& settings, const std::function<void(const std::string&)>& progress)
-      : source_(source), settings_(settings), progress_(progress) {}
+  Baker(const Source& source, const BakeSettings& settings, const std::function<void(const BakeProgress&)>& progress)
+      : source_(source),
+        settings_(settings),
+        progress_(progress),
+        steps_((settings.sheen ? 2 : 1) * settings.levels + 2) {}
 
   /// One cube of levels. The roughness-0 level is the environment itself, which a mirror shows.
   void levels(Lobe lobe, const std::vector<double>& roughness, Cubemap& cube, std::vector<Level>& levels) const {
@@ -125,26 +129,33 @@ class Baker {
     while (is_too_wrong(level) && level.refinements < kMostRefinements) {
       better = refined(better);
       ++level.refinements;
-      tell("refining roughness " + number(level.roughness));
+      tell("refining roughness " + number(level.roughness), false);
       faces = again(better);
       level.proof = verify_level(source_, kernel, faces, settings_.proof_directions, seed);
     }
     level.holds = !is_too_wrong(level);
   }
 
-  void tell(const std::string& what) const {
-    if (progress_) progress_(what);
+  /// What begins, a step unless it is one more attempt at the last.
+  void tell(const std::string& what, bool is_step = true) const {
+    StopScope::check();
+    if (is_step) ++step_;
+    if (progress_) progress_({what, static_cast<double>(step_ - 1) / steps_});
   }
 
   const Source& source_;
   const BakeSettings& settings_;
-  const std::function<void(const std::string&)>& progress_;
+  const std::function<void(const BakeProgress&)>& progress_;
+  int steps_;
+  mutable int step_ = 0;
 };
 
 }  // namespace
 
-Bake bake(const Source& source, const BakeSettings& settings, const std::function<void(const std::string&)>& progress) {
+Bake bake(const Source& source, const BakeSettings& settings,
+          const std::function<void(const BakeProgress&)>& progress) {
   check(settings);
+  const StopScope scope(settings.stop);
   const std::vector<double> roughness =
       settings.roughness.empty() ? level_roughness(settings.mapping, settings.levels) : settings.roughness;
   Bake bake;

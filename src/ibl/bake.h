@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,8 +25,9 @@ struct BakeSettings {
   int irradiance_samples = 1024;
   int sh_order = 2;
   Window window = Window::none;
-  int proof_directions = 16;  ///< per level; 0 = no proof
-  double error = 0.0;         ///< relative, at the texels; above 0 each level is refined until it holds
+  int proof_directions = 16;                ///< per level; 0 = no proof
+  double error = 0.0;                       ///< relative, at the texels; above 0 each level is refined until it holds
+  const std::atomic<bool>* stop = nullptr;  ///< once set, the bake ends with Interrupted
 };
 
 struct Level {
@@ -52,8 +54,13 @@ struct Bake {
   dvec3 flux_out{0.0};
 };
 
-/// Throws Error for sizes and levels that make no sense. `progress` is told what begins.
+struct BakeProgress {
+  std::string what;       ///< begins
+  double fraction = 0.0;  ///< of the steps, which take unequal times
+};
+
+/// Throws Error for sizes and levels that make no sense, and Interrupted after a stop. `progress` is told what begins.
 Bake bake(const Source& source, const BakeSettings& settings,
-          const std::function<void(const std::string&)>& progress = {});
+          const std::function<void(const BakeProgress&)>& progress = {});
 
 }  // namespace candela::ibl

@@ -7,43 +7,24 @@
 #include "base/check.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "ibl/overlap.h"
+#include "image/overlap.h"
 #include "shade/cube.glsl.h"
 
 namespace candela::ibl {
 namespace {
 
+using overlap::Edge;
+using overlap::edge_ends;
+using overlap::edges_of_row;
+using overlap::Ends;
+using overlap::FaceAxes;
+using overlap::Lattice;
+using overlap::Piece;
+using overlap::walk_arc;
+
 constexpr double kPiD = std::numbers::pi;
 constexpr int kFaces = 6;
 constexpr int kBottom = 3;  ///< the face around the lower pole
-
-/// A face in double precision: direction = centre + s · right + t · down.
-struct FaceAxes {
-  dvec3 centre, right, down;
-
-  explicit FaceAxes(int face)
-      : centre(shade::cube_direction(face, 0.0f, 0.0f)),
-        right(dvec3(shade::cube_direction(face, 1.0f, 0.0f)) - centre),
-        down(dvec3(shade::cube_direction(face, 0.0f, 1.0f)) - centre) {}
-  dvec3 at(double s, double t) const { return centre + s * right + t * down; }
-};
-
-/// An edge of the grid of a face: right of vertex (x, y), or down from it.
-struct Edge {
-  int x = 0;
-  int y = 0;
-  bool down = false;
-};
-
-/// Both ends of an edge.
-struct Ends {
-  dvec3 a, b;
-};
-Ends edge_ends(const FaceAxes& axes, const Edge& e, int size) {
-  const double s = 2.0 * e.x / size - 1.0, t = 2.0 * e.y / size - 1.0;
-  const double step = 2.0 / size;
-  return {glm::normalize(axes.at(s, t)), glm::normalize(e.down ? axes.at(s, t + step) : axes.at(s + step, t))};
-}
 
 Lattice lattice_of(const Source& source) { return {source.map.width, source.map.height, column_edge(source, 0)}; }
 
@@ -82,14 +63,6 @@ class Cumulative {
   std::vector<dvec3> sums_;
   std::vector<double> edges_;
 };
-
-/// Calls f(edge) for the edges of grid row `y` of a face, those to the right and then those down.
-template <class F>
-void edges_of_row(int y, int size, const F& f) {
-  for (int x = 0; x < size; ++x) f(Edge{x, y, false});
-  if (y == size) return;
-  for (int x = 0; x <= size; ++x) f(Edge{x, y, true});
-}
 
 /// Flux of every texel of a face: the circulation of C around it.
 std::vector<dvec3> face_flux(const Cumulative& cumulative, const Lattice& lattice, int face, int size) {
@@ -195,59 +168,6 @@ CubeFaces cube_from_source(const Source& source, int size) {
     }
   }
   return faces;
-}
-
-Image equirect_from_cube(const CubeFaces& faces, int width) {
-  CANDELA_CHECK(width >= 2 && width % 2 == 0);
-  Source source;
-  source.map = Image(width, width / 2, 3);
-  const Lattice lattice = lattice_of(source);
-  const auto columns = static_cast<std::size_t>(width);
-  const auto rows = static_cast<std::size_t>(width / 2);
-  const int size = faces[0].width;
-  // Flux of cells that an edge crosses, and per cell what every row above it, or below it, has in full.
-  std::vector<dvec3> partial(columns * rows), above(columns * rows), below(columns * rows);
-  for (int face = 0; face < kFaces; ++face) {
-    const FaceAxes axes(face);
-    const Image& image = faces[static_cast<std::size_t>(face)];
-    dvec3 step(0.0);  // of radiance across the edge
-    const std::function<void(const Piece&)> visit = [&](const Piece& p) {
-      const std::size_t i = static_cast<std::size_t>(p.row) * columns + static_cast<std::size_t>(p.column);
-      if (face == kBottom) {
-        partial[i] -= step * (p.area - row_edge(p.row + 1, source.map.height) * p.turn);
-        below[i] -= step * p.turn;
-      } else {
-        partial[i] += step * (row_edge(p.row, source.map.height) * p.turn - p.area);
-        above[i] += step * p.turn;
-      }
-    };
-    const auto texel = [&](int x, int y) {
-      return x < 0 || y < 0 || x >= size || y >= size ? dvec3(0.0) : dvec3(image.rgb(x, y));
-    };
-    for (int y = 0; y <= size; ++y) {
-      edges_of_row(y, size, [&](const Edge& e) {
-        step = e.down ? texel(e.x - 1, e.y) - texel(e.x, e.y) : texel(e.x, e.y) - texel(e.x, e.y - 1);
-        if (step == dvec3(0.0)) return;
-        const Ends ends = edge_ends(axes, e, size);
-        walk_arc(lattice, ends.a, ends.b, visit);
-      });
-    }
-  }
-  for (std::size_t x = 0; x < columns; ++x) {
-    for (std::size_t y = rows - 1; y > 0; --y) above[(y - 1) * columns + x] += above[y * columns + x];
-    for (std::size_t y = 1; y < rows; ++y) below[y * columns + x] += below[(y - 1) * columns + x];
-  }
-  for (std::size_t y = 0; y < rows; ++y) {
-    const double solid_angle = texel_solid_angle(static_cast<int>(y), width, width / 2);
-    const double height = solid_angle * width / (2.0 * kPiD);
-    for (std::size_t x = 0; x < columns; ++x) {
-      dvec3 flux = partial[y * columns + x];
-      if (y + 1 < rows) flux += above[(y + 1) * columns + x] * height;
-      if (y > 0) flux += below[(y - 1) * columns + x] * height;
-      source.map.set_rgb(static_cast<int>(x), static_cast<int>(y), vec3(glm::max(flux / solid_angle, dvec3(0.0))));
-    }
-  }
-  return std::move(source.map);
 }
 
 Cubemap cube_mips(CubeFaces faces) {

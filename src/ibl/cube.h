@@ -4,6 +4,7 @@
 
 #include "ibl/source.h"
 #include "image/cube_layout.h"
+#include "image/cube_panorama.h"
 #include "image/cubemap.h"
 
 namespace candela::ibl {
@@ -20,8 +21,7 @@ CubeFaces cube_from_values(const std::vector<dvec3>& values, int size);
 /// constant stays that constant. Discs are added to the texels they cover.
 CubeFaces cube_from_source(const Source& source, int size);
 
-/// The same the other way: a panorama of `width` × width / 2 texels.
-Image equirect_from_cube(const CubeFaces& faces, int width);
+using candela::equirect_from_cube;  // the same the other way
 
 /// Halves `faces` down to 1 × 1, weighted by solid angle; sizes must be even until they are 1. Level 0 is `faces`.
 Cubemap cube_mips(CubeFaces faces);

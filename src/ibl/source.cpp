@@ -53,28 +53,6 @@ Source make_source(const CubeFaces& faces) {
   return source;
 }
 
-Repairs repair(Image& image) {
-  Repairs found;
-  float most = 0.0f;
-  for (const float v : image.pixels) {
-    if (std::isfinite(v)) most = std::max(most, v);
-  }
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      bool odd = false, below = false;
-      for (float& v : image.at(x, y)) {
-        odd |= !std::isfinite(v);
-        below |= v < 0.0f;
-        if (std::isnan(v) || v < 0.0f) v = 0.0f;
-        if (std::isinf(v)) v = most;
-      }
-      if (odd && found.not_finite++ == 0) found.first_not_finite = {x, y};
-      if (below && found.negative++ == 0) found.first_negative = {x, y};
-    }
-  }
-  return found;
-}
-
 dvec3 total_flux(const Source& source) {
   dvec3 sum(0.0);
   for (int y = 0; y < source.map.height; ++y) {
@@ -84,13 +62,6 @@ dvec3 total_flux(const Source& source) {
   }
   for (const SunDisc& sun : source.suns) sum += dvec3(sun.radiance) * disc_solid_angle(sun);
   return sum;
-}
-
-double row_edge(int row, int height) { return std::cos(kPiD * row / height); }
-
-double texel_solid_angle(int row, int width, int height) {
-  // cos a - cos b = 2 sin ½(a + b) sin ½(b - a), which does not cancel at the poles.
-  return 2.0 * std::sin(kPiD * (row + 0.5) / height) * std::sin(0.5 * kPiD / height) * 2.0 * kPiD / width;
 }
 
 double column_edge(const Source& source, int column) {

@@ -6,6 +6,7 @@
 
 #include "image/cubemap.h"
 #include "image/image.h"
+#include "image/overlap.h"
 #include "math/types.h"
 #include "scene/scene.h"
 
@@ -33,25 +34,13 @@ Source make_source(const Environment& environment);
 /// A panorama four times as wide as a face, of the same energy.
 Source make_source(const CubeFaces& faces);
 
-/// What was wrong with the texels of a picture, and what was made of it.
-struct Repairs {
-  std::size_t not_finite = 0;  ///< infinite ones became the largest finite value of the picture, NaN 0
-  ivec2 first_not_finite{0};
-  std::size_t negative = 0;  ///< became 0
-  ivec2 first_negative{0};
-};
-/// Makes every channel of every texel finite and ≥ 0.
-Repairs repair(Image& image);
-
 /// Exact: ∫ radiance dω per channel over map and discs.
 dvec3 total_flux(const Source& source);
 
 // ----- the geometry of a panorama's texels
 
-/// Cosine of the polar angle (y) at the upper edge of row `row`, 0 to height.
-double row_edge(int row, int height);
-/// Solid angle of every texel of a row.
-double texel_solid_angle(int row, int width, int height);
+using overlap::row_edge;
+using overlap::texel_solid_angle;
 /// Azimuth atan2(z, x) of the left edge of column `column`, 0 to width.
 double column_edge(const Source& source, int column);
 /// Middle in azimuth and polar angle.

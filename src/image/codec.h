@@ -8,6 +8,7 @@
 
 #include "image/develop.h"
 #include "image/image.h"
+#include "image/image_file.h"
 
 // What image_file.cpp dispatches to, one file per format. Private to this folder. All throw Error(…, where).
 namespace candela::codec {
@@ -20,12 +21,16 @@ inline constexpr int kMaxImageSize = 32768;
 inline constexpr std::uint64_t kMaxTextureBytes = std::uint64_t{1} << 30;
 inline constexpr std::uint64_t kMaxImageBytes = std::uint64_t{1} << 31;
 
+/// Throws Error for a texture that is larger than the above, of `pixel_bytes` per pixel once it is decoded.
+void check_texture_size(std::uint64_t width, std::uint64_t height, std::uint64_t pixel_bytes, const std::string& where);
+
+/// Both throw Error where decoding would for the size's sake.
 ivec2 png_size(std::span<const std::byte> bytes, const std::string& where);
 ivec2 jpeg_size(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_png(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_jpeg(std::span<const std::byte> bytes, const std::string& where);
-Image decode_hdr(std::span<const std::byte> bytes, const std::string& where);
-Image decode_exr(std::span<const std::byte> bytes, const std::string& layer, const std::string& where);
+ImageFile decode_hdr(std::span<const std::byte> bytes, const std::string& where);
+ImageFile decode_exr(std::span<const std::byte> bytes, const std::string& layer, const std::string& where);
 
 /// Like write_png, for numbers that are no colours of a display: the file says nothing of sRGB.
 void write_png_data(const std::filesystem::path& path, const DisplayImage& image);

@@ -6,9 +6,11 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "image/codec.h"
+#include "image/cube_panorama.h"
 #include "image/develop.h"
 #include "image/film.h"
 #include "image/image_file.h"
+#include "image/repair.h"
 #include "image/texture_file.h"
 
 namespace candela {
@@ -97,10 +99,22 @@ Image without_alpha(const Image& image) {
   return result;
 }
 
-CubeFaces read_six(const SixPaths& paths) {
+/// Whether texels are put right before anything is made of them.
+enum class Texels { as_they_are, put_right };
+
+/// A picture, with what its reader should hear.
+ImageFile read_and_tell(const ImageName& name, Texels texels, std::vector<Diagnostic>& warnings) {
+  ImageFile file = read_image_file(name);
+  for (const ImageFact& fact : file.facts)
+    if (fact.is_odd) warnings.push_back({fact.name + " " + fact.value + ": " + fact.done, name.text()});
+  if (texels == Texels::put_right) tell_repairs(repair(file.image), name.text(), warnings);
+  return file;
+}
+
+CubeFaces read_six(const SixPaths& paths, Texels texels, std::vector<Diagnostic>& warnings) {
   CubeFaces faces;
   for (std::size_t face = 0; face < 6; ++face) {
-    faces[face] = without_alpha(read_image(paths[face]));
+    faces[face] = without_alpha(read_and_tell({paths[face], {}}, texels, warnings).image);
     if (faces[face].width != faces[face].height) throw Error("a face of a cube map is square", paths[face].string());
     if (faces[face].width != faces[0].width)
       throw Error("differs in size from \"" + paths[0].filename().string() + "\"", paths[face].string());
@@ -148,19 +162,54 @@ CubeAxes axes_of_texture(const TextureInfo& info, const std::string& where) {
   return *axes;
 }
 
-Cubemap read_cube_texture(const fs::path& path, const std::optional<CubeAxes>& axes) {
+EnvironmentFile read_cube_texture(const fs::path& path, const std::optional<CubeAxes>& axes, Texels texels) {
+  const std::string where = path.string();
   TextureFile file = read_texture_file(path);
-  const CubeAxes lookup = axes ? *axes : axes_of_texture(file.info, path.string());
-  Cubemap cube = cube_of_texture(std::move(file), path.string());
-  return lookup == CubeAxes() ? cube : world_from_file(cube, lookup);
+  const CubeAxes lookup = axes ? *axes : axes_of_texture(file.info, where);
+  EnvironmentFile result;
+  result.cube = cube_of_texture(std::move(file), where);
+  if (texels == Texels::put_right) {
+    result.cube.levels.resize(1);
+    for (std::size_t face = 0; face < 6; ++face)
+      tell_repairs(repair(result.cube.levels[0][face]), where + ", face " + std::string(kFaceNames[face]),
+                   result.warnings);
+  }
+  if (lookup != CubeAxes()) result.cube = world_from_file(result.cube, lookup);
+  return result;
 }
 
 Cubemap cube_of_picture(const Image& image, CubeLayout layout, const std::optional<CubeAxes>& axes) {
   return cube_of_one_level(world_from_file(faces_from_layout(image, layout), axes.value_or(kPictureAxes)));
 }
 
-Cubemap read_six_files(const fs::path& path, const std::optional<CubeAxes>& axes) {
-  return cube_of_one_level(world_from_file(read_six(find_six(path)), axes.value_or(kPictureAxes)));
+EnvironmentFile read_six_files(const fs::path& path, const std::optional<CubeAxes>& axes, Texels texels) {
+  EnvironmentFile file;
+  const CubeFaces faces = read_six(find_six(path), texels, file.warnings);
+  file.cube = cube_of_one_level(world_from_file(faces, axes.value_or(kPictureAxes)));
+  return file;
+}
+
+EnvironmentFile read_picture(const fs::path& path, const std::optional<CubeAxes>& axes, Texels texels) {
+  EnvironmentFile file;
+  ImageFile picture = read_and_tell(parse_image_name(path.string()), texels, file.warnings);
+  const std::optional<CubeLayout> layout = detect_layout(picture.image.width, picture.image.height);
+  if (picture.projection == Projection::cube && !axes)
+    file.cube = cube_of_one_level(cube_from_openexr(picture.image));
+  else if (picture.projection == Projection::latlong)
+    file.panorama = panorama_from_openexr(picture.image);
+  else if (layout)
+    file.cube = cube_of_picture(picture.image, *layout, axes);
+  else
+    file.panorama = std::move(picture.image);
+  return file;
+}
+
+EnvironmentFile read_environment(const fs::path& path, const std::optional<CubeAxes>& axes, Texels texels) {
+  std::error_code code;
+  if (fs::is_directory(path, code) || (!fs::exists(path, code) && is_pattern(path)))
+    return read_six_files(path, axes, texels);
+  if (sniff_texture(read_head(path, 16))) return read_cube_texture(path, axes, texels);
+  return read_picture(path, axes, texels);
 }
 
 // ----- RGBM
@@ -193,6 +242,12 @@ std::array<std::uint8_t, 4> rgbm_texel(vec3 color, const Rgbm& rgbm, EncodingLos
 
 }  // namespace
 
+std::vector<fs::path> files_of_environment(const fs::path& path) {
+  if (find_cube_source(path) != CubeSource::six_files) return {path};
+  const SixPaths six = find_six(path);
+  return {six.begin(), six.end()};
+}
+
 CubeSource find_cube_source(const fs::path& path) {
   std::error_code code;
   try {
@@ -208,20 +263,11 @@ CubeSource find_cube_source(const fs::path& path) {
 }
 
 EnvironmentFile read_environment_file(const fs::path& path, std::optional<CubeAxes> axes) {
-  EnvironmentFile file;
-  std::error_code code;
-  if (fs::is_directory(path, code) || (!fs::exists(path, code) && is_pattern(path))) {
-    file.cube = read_six_files(path, axes);
-  } else if (sniff_texture(read_head(path, 16))) {
-    file.cube = read_cube_texture(path, axes);
-  } else {
-    file.panorama = read_image(path);
-    if (const auto layout = detect_layout(file.panorama.width, file.panorama.height)) {
-      file.cube = cube_of_picture(file.panorama, *layout, axes);
-      file.panorama = {};
-    }
-  }
-  return file;
+  return read_environment(path, axes, Texels::as_they_are);
+}
+
+EnvironmentFile read_clean_environment(const fs::path& path, std::optional<CubeAxes> axes) {
+  return read_environment(path, axes, Texels::put_right);
 }
 
 Cubemap read_cubemap(const fs::path& path, std::optional<CubeAxes> axes) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/diagnostics.h"
 #include "image/cube_layout.h"
 #include "image/cubemap.h"
 #include "image/texel.h"
@@ -30,12 +31,21 @@ inline bool is_cubemap_file(const std::filesystem::path& path) { return find_cub
 /// front back, alone or at the end of a name. Throws Error.
 Cubemap read_cubemap(const std::filesystem::path& path, std::optional<CubeAxes> axes = {});
 
-/// Light from everywhere, as a file has it: one of the two is empty.
+/// The files that an environment is read from: the six of a folder or a pattern, else `path` itself. Never throws.
+std::vector<std::filesystem::path> files_of_environment(const std::filesystem::path& path);
+
+/// Light from everywhere, as a file has it, in the axes of the world: either of the first two is empty.
 struct EnvironmentFile {
   Cubemap cube;
-  Image panorama;  ///< any shape that is no cube layout
+  Image panorama;                    ///< any shape that is no cube layout
+  std::vector<Diagnostic> warnings;  ///< what of the file could not be followed
 };
+/// `path` may be FILE:LAYER of an OpenEXR file. Files with OpenEXR's `envmap` are read by its convention, cubes only
+/// where no `axes` are given. Throws Error.
 EnvironmentFile read_environment_file(const std::filesystem::path& path, std::optional<CubeAxes> axes = {});
+/// The same as light to render by: every texel is finite and not negative, what was put right is told, and of a cube
+/// there is the largest level alone.
+EnvironmentFile read_clean_environment(const std::filesystem::path& path, std::optional<CubeAxes> axes = {});
 
 /// Writes .exr (32-bit float) or .hdr by the extension. Throws Error for others.
 void write_linear_image(const std::filesystem::path& path, const Image& image);

@@ -69,26 +69,48 @@ float dither_offset(std::uint32_t x, std::uint32_t y) {
   return static_cast<float>(folded >> 16) * 0x1p-16f;
 }
 
+/// What is developed: light, and what is seen through it, empty or of the same size.
+struct Picture {
+  const Image& beauty;
+  const Image& through;
+};
+
 std::uint8_t code(float encoded, float offset) { return static_cast<std::uint8_t>(encoded + offset); }
 float positive(float v) { return v > 0.0f ? v : 0.0f; }  // NaN becomes 0
 
+/// A pixel whose light, `shown` where there is any, covers `coverage` of it and lets `through` of what is behind show:
+/// what glass reflects and what is seen through it are added as they would be in an eye.
+vec3 before_background(vec3 shown, float coverage, vec3 through, const DevelopSettings& settings, float& alpha) {
+  shown *= coverage;
+  if (settings.background) return shown + *settings.background * glm::clamp(through, 0.0f, 1.0f);
+  alpha = std::max(alpha, std::min(max_component(shown), 1.0f));
+  return alpha > 0.0f ? shown / alpha : vec3(0.0f);
+}
+
 template <shade::vec3 (*Curve)(shade::vec3)>
-void develop_row(const Image& beauty, int y, float exposure, const DevelopSettings& settings, const SrgbEncoder& encode,
-                 std::uint8_t* out) {
+void develop_row(const Picture& picture, int y, float exposure, const DevelopSettings& settings,
+                 const SrgbEncoder& encode, std::uint8_t* out) {
+  const Image& beauty = picture.beauty;
   for (int x = 0; x < beauty.width; ++x, out += 4) {
     const float* p = beauty.pixels.data() + beauty.index(x, y);
-    const float alpha = beauty.channels == 4 ? std::min(positive(p[3]), 1.0f) : 1.0f;
-    out[3] = settings.background ? 255 : static_cast<std::uint8_t>(alpha * 255.0f + 0.5f);
+    const float* behind = picture.through.empty() ? nullptr : picture.through.at(x, y).data();
+    float alpha = beauty.channels == 4 ? std::min(positive(p[3]), 1.0f) : 1.0f;
+    const float coverage = behind != nullptr ? std::min(positive(behind[3]), 1.0f) : alpha;
     const vec3 rgb = beauty.rgb(x, y);
+    const float scale = coverage > 0.0f ? exposure / coverage : 0.0f;
+    vec3 shown = Curve(vec3(positive(rgb.x), positive(rgb.y), positive(rgb.z)) * scale);
+    if (behind != nullptr) {
+      shown = before_background(shown, coverage, {behind[0], behind[1], behind[2]}, settings, alpha);
+    } else if (settings.background) {
+      shown = shown * alpha + *settings.background * (1.0f - alpha);
+    }
+    out[3] = settings.background ? 255 : static_cast<std::uint8_t>(alpha * 255.0f + 0.5f);
     if (max_component(rgb) == kInfinity) {
       out[0] = out[1] = out[2] = 255;
       continue;
     }
-    const float scale = alpha > 0.0f ? exposure / alpha : 0.0f;
-    vec3 shown = Curve(vec3(positive(rgb.x), positive(rgb.y), positive(rgb.z)) * scale);
-    if (settings.background) shown = shown * alpha + *settings.background * (1.0f - alpha);
     // One offset for the three channels keeps greys grey; a plain background has no gradient to dither.
-    const float offset = settings.dither && alpha > 0.0f
+    const float offset = settings.dither && coverage > 0.0f
                              ? dither_offset(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y))
                              : 0.5f;
     out[0] = code(encode(shown.x), offset);
@@ -97,7 +119,7 @@ void develop_row(const Image& beauty, int y, float exposure, const DevelopSettin
   }
 }
 
-using RowFunction = void (*)(const Image&, int, float, const DevelopSettings&, const SrgbEncoder&, std::uint8_t*);
+using RowFunction = void (*)(const Picture&, int, float, const DevelopSettings&, const SrgbEncoder&, std::uint8_t*);
 
 RowFunction row_function(ToneCurve curve) {
   switch (curve) {
@@ -235,7 +257,10 @@ float metered_exposure(const Film& film) {
 
 DisplayImage develop(const Film& film, const DevelopSettings& settings) {
   const Image scattered = settings.bloom > 0.0f ? bloomed(film.beauty, settings.bloom) : Image();
+  const Image scattered_through =
+      settings.bloom > 0.0f && !film.through.empty() ? bloomed(film.through, settings.bloom) : Image();
   const Image& beauty = settings.bloom > 0.0f ? scattered : film.beauty;
+  const Picture picture{beauty, settings.bloom > 0.0f ? scattered_through : film.through};
   DisplayImage image;
   image.width = beauty.width;
   image.height = beauty.height;
@@ -247,7 +272,7 @@ DisplayImage develop(const Film& film, const DevelopSettings& settings) {
   const std::size_t row_bytes = static_cast<std::size_t>(beauty.width) * 4;
   parallel_for(0, static_cast<std::size_t>(beauty.height), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y)
-      row(beauty, static_cast<int>(y), exposure, settings, encode, image.rgba.data() + y * row_bytes);
+      row(picture, static_cast<int>(y), exposure, settings, encode, image.rgba.data() + y * row_bytes);
   });
   return image;
 }
@@ -262,7 +287,8 @@ void check_output_extension(const std::filesystem::path& path) {
 std::uint64_t writing_bytes(const std::filesystem::path& path, int width, int height, const std::set<Layer>& layers) {
   const std::string extension = extension_of(path);
   const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-  if (extension == ".exr") return pixels * film_bytes_per_pixel(layers);  // all of it, where noise does not compress
+  // All of it, where noise does not compress, and what coloured glass lets through.
+  if (extension == ".exr") return pixels * (film_bytes_per_pixel(layers) + 3 * sizeof(float));
   if (extension == ".hdr") return pixels * 12;  // four bytes, and as many once more and double while the text grows
   return pixels * 16;                           // the display image's four, and the meter's twelve or the file's
 }

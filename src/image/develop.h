@@ -19,8 +19,9 @@ struct DevelopSettings {
   /// Factor that radiance is multiplied by; empty = metered from the picture by metered_exposure().
   std::optional<float> exposure = {};
   ToneCurve tone_curve = ToneCurve::pbr_neutral;
-  /// Linear colour, 1 = display white, that shows where the film is transparent. It is no light: neither exposure nor
-  /// tone curve touch it, so the colour that was asked for is the one in the file. Empty = the picture keeps its alpha.
+  /// Linear colour, 1 = display white, that shows where the film is transparent, and through glass as that colours it.
+  /// It is no light: neither exposure nor tone curve touch it, so the colour that was asked for is the one in the file.
+  /// Empty = the picture keeps its alpha.
   std::optional<vec3> background = {};
   float bloom = 0.0f;  ///< share of the light that the lens scatters, see bloomed()
   bool dither = true;  ///< ±½ code value of deterministic noise before rounding to 8 bits
@@ -34,7 +35,8 @@ std::optional<float> parse_exposure(std::string_view text);
 /// alpha, black pixels left out, the brightest and darkest 1 % of pixels left out; 1 for an all-black picture.
 float metered_exposure(const Film& film);
 
-/// Encoded sRGB, 8 bits, RGBA (alpha straight, not premultiplied), row 0 at the top.
+/// Encoded sRGB, 8 bits, RGBA (alpha straight, not premultiplied), row 0 at the top. Straight colour ends at white:
+/// where clear glass reflects more than its alpha can show, alpha rises.
 struct DisplayImage {
   int width = 0;
   int height = 0;

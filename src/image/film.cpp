@@ -33,6 +33,20 @@ Layer parse_layer(std::string_view name) {
   throw Error("unknown layer \"" + std::string(name) + "\" (known: " + known + ")");
 }
 
+float alpha_before(vec3 through) {
+  const vec3 kept = 1.0f - through;
+  // As luminance(), but exact where the three are equal: 1 is opaque, and nothing at all is 0.
+  return glm::clamp(kept.y + 0.2126f * (kept.x - kept.y) + 0.0722f * (kept.z - kept.y), 0.0f, 1.0f);
+}
+
+void set_through(Image through, Film& film) {
+  film.through = std::move(through);
+  for (std::size_t i = 0; i < film.through.pixels.size(); i += 4) {
+    const float* t = film.through.pixels.data() + i;
+    film.beauty.pixels[i + 3] = alpha_before({t[0], t[1], t[2]});
+  }
+}
+
 void accumulate(const Film& film, float share, Film& sum) {
   const auto add = [share](const Image& from, Image& to) {
     for (std::size_t i = 0; i < from.pixels.size(); ++i) to.pixels[i] += share * from.pixels[i];
@@ -43,9 +57,11 @@ void accumulate(const Film& film, float share, Film& sum) {
       const bool has_mean = layer == Layer::albedo || layer == Layer::normal;
       sum.layers[layer] = has_mean ? Image(image.width, image.height, image.channels) : image;
     }
+    sum.through = Image(film.through.width, film.through.height, film.through.channels);
     sum.metadata = film.metadata;
   }
   add(film.beauty, sum.beauty);
+  add(film.through, sum.through);
   for (const Layer layer : {Layer::albedo, Layer::normal}) {
     const auto found = film.layers.find(layer);
     if (found != film.layers.end()) add(found->second, sum.layers.at(layer));

@@ -18,7 +18,8 @@ enum class Layer {
   normal,    ///< XYZ world space shading normal, unit or 0 where nothing was hit
   depth,     ///< metres along the ray from the camera (not its z), +inf where nothing was hit
   position,  ///< XYZ world space, metres
-  object_id  ///< 1 + node index of the first hit, 0 = background; of the pixel's centre-most sample, not averaged
+  object_id  ///< 1 + number of the node of the first hit, 0 = background; of the pixel's centre-most sample, not
+             ///< averaged
 };
 
 /// Names as on the command line and in EXR files: "albedo", "normal", "depth", "position", "id".
@@ -29,12 +30,22 @@ Layer parse_layer(std::string_view name);
 /// The renderer's result: linear Rec.709 radiance before exposure and tone curve, alpha = coverage, and named layers.
 struct Film {
   Image beauty;  ///< 4 channels, premultiplied
+  /// Where glass shows the background: R, G, B are what the background behind a pixel is multiplied by (1 where nothing
+  /// is in front), A is how much of the pixel is glass or anything else. Empty where nothing lets it through: then it
+  /// is 1 - alpha of the picture. Else that alpha is alpha_before(through).
+  Image through;
   std::map<Layer, Image> layers;
   std::map<std::string, std::string> metadata;  ///< scene, camera, samples, seed, version: written to the EXR header
 
   int width() const { return beauty.width; }
   int height() const { return beauty.height; }
 };
+
+/// Alpha of what lets `through` of the background show: before a grey one the picture keeps its luminance.
+float alpha_before(vec3 through);
+
+/// Gives a film what shows through it, and its picture the alpha that follows.
+void set_through(Image through, Film& film);
 
 /// Adds `share` of a film of the same size and layers to `sum`, an empty one at first. Depth, position and object id,
 /// which have no mean, stay those of the first.
@@ -44,7 +55,8 @@ void accumulate(const Film& film, float share, Film& sum);
 std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers);
 
 /// Writes 32-bit float EXR, compressed without loss: R,G,B,A of the beauty, and each layer as `name.R` … (`depth.Z`,
-/// `id.Y`). The alpha channel is left out when every pixel is opaque. Throws Error where the path cannot be written.
+/// `id.Y`). The alpha channel is left out when every pixel is opaque. What coloured glass lets through is `through.R`
+/// …: picture + through × background. Throws Error where the path cannot be written.
 void write_exr(const std::filesystem::path& path, const Film& film);
 
 }  // namespace candela

@@ -1,8 +1,11 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,10 +14,13 @@
 #include "base/file.h"
 #include "image/codec.h"
 #include "image/image_file.h"
+#include "image/primaries.h"
 
 // The Radiance picture format. Ward, "Radiance File Formats", section "Picture File Format", and Ward 1991, "Real
-// Pixels" (Graphics Gems II). A mantissa is read as m · 2^(e-136), without Ward's half step: 0 stays black, and our own
-// writer rounds to nearest instead of truncating, so that no bias remains.
+// Pixels" (Graphics Gems II). EXPOSURE and COLORCORR are what pixels have been multiplied by; PRIMARIES are those of R,
+// G, B and white; pixels of the format XYZE are XYZ in cd/m², 179 times the unit of RGBE. A mantissa is read as m ·
+// 2^(e-136), without Ward's half step: 0 stays black, and our own writer rounds to nearest instead of truncating, so
+// that no bias remains.
 
 namespace candela {
 
@@ -59,30 +65,122 @@ class Cursor {
   const std::string& where_;
 };
 
+/// Luminous efficacy that Radiance takes for white light (lm/W).
+constexpr double kWhiteEfficacy = 179.0;
+
 struct HdrHeader {
   int width = 0;
   int height = 0;
+  bool by_columns = false;  ///< a scanline of the file is a column
   bool flip_x = false;
   bool flip_y = false;
-  float exposure = 1.0f;  ///< product of all EXPOSURE lines: what the pixels have been multiplied by
+  bool is_xyz = false;
+  dvec3 multiplied{1.0};  ///< product of all EXPOSURE and COLORCORR lines: what the pixels have been multiplied by
+  std::optional<Primaries> primaries;
+  std::vector<ImageFact> facts;
+
+  int scanlines() const { return by_columns ? width : height; }
+  int scanline_pixels() const { return by_columns ? height : width; }
 };
 
-void parse_exposure_line(std::string_view text, HdrHeader& header, const Cursor& cursor) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  float value = 0.0f;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || !(value > 0.0f) || !std::isfinite(value)) cursor.fail("EXPOSURE is no positive number");
-  header.exposure *= value;
+/// The first numbers of a header line, at most `most`, up to whatever else stands there.
+std::vector<double> parse_numbers(std::string_view text, std::size_t most) {
+  std::vector<double> numbers;
+  while (numbers.size() < most) {
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+    if (text.starts_with('+')) text.remove_prefix(1);
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || !std::isfinite(value)) break;
+    numbers.push_back(value);
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  }
+  return numbers;
 }
 
-/// "-Y 512 +X 1024": rows from the top, pixels from the left. A "+Y" or "-X" mirrors; "X" first would transpose.
+/// Three or one factor that the pixels have been multiplied by.
+void parse_factors(const std::string& name, std::string_view text, std::size_t count, HdrHeader& header,
+                   const Cursor& cursor) {
+  const std::vector<double> factors = parse_numbers(text, count);
+  const bool are_positive = std::all_of(factors.begin(), factors.end(), [](double v) { return v > 0.0; });
+  if (factors.size() != count || !are_positive)
+    cursor.fail(name + " is no " + (count == 1 ? "positive number" : "three positive numbers"));
+  header.multiplied *= count == 1 ? dvec3(factors[0]) : dvec3(factors[0], factors[1], factors[2]);
+  header.facts.push_back({name, std::string(text), "divided out"});
+}
+
+/// The last of several lines counts. Eight zeros stand for none.
+void parse_primaries(std::string_view text, HdrHeader& header) {
+  constexpr std::size_t kNumbers = 8;
+  const std::vector<double> n = parse_numbers(text, kNumbers + 1);
+  ImageFact fact{"PRIMARIES", std::string(text), "converted to Rec.709"};
+  header.primaries.reset();
+  if (n.size() == kNumbers && std::all_of(n.begin(), n.end(), [](double v) { return v == 0.0; })) {
+    fact.done = "none: taken as Rec.709";
+  } else if (n.size() == kNumbers) {
+    header.primaries = Primaries{{n[0], n[1]}, {n[2], n[3]}, {n[4], n[5]}, {n[6], n[7]}};
+    if (is_same(*header.primaries, kRec709)) fact.done = "Rec.709: nothing to do";
+    if (!rec709_from_rgb(*header.primaries)) header.primaries.reset();
+    fact.is_odd = !header.primaries;
+    if (fact.is_odd) fact.done = "no colours of a display: taken as Rec.709";
+  } else {
+    fact.is_odd = true;
+    fact.done = "not eight numbers: taken as Rec.709";
+  }
+  std::erase_if(header.facts, [](const ImageFact& earlier) { return earlier.name == "PRIMARIES"; });
+  header.facts.push_back(std::move(fact));
+}
+
+void parse_gamma(std::string_view text, HdrHeader& header) {
+  const std::vector<double> gamma = parse_numbers(text, 1);
+  const bool is_linear = gamma.size() == 1 && gamma[0] == 1.0;
+  header.facts.push_back({"GAMMA", std::string(text),
+                          is_linear ? "linear: nothing to do" : "not followed: Radiance pixels are linear",
+                          !is_linear});
+}
+
+/// One line "KEY=value". What says nothing of the pixels' light is left alone.
+void parse_line(std::string_view line, HdrHeader& header, const Cursor& cursor, const std::string& where) {
+  const std::size_t equals = line.find('=');
+  if (equals == std::string_view::npos) return;
+  const std::string key(line.substr(0, equals));
+  std::string_view value = line.substr(equals + 1);
+  while (!value.empty() && value.front() == ' ') value.remove_prefix(1);
+  if (key == "FORMAT") {
+    header.is_xyz = value == "32-bit_rle_xyze";
+    if (!header.is_xyz && value != "32-bit_rle_rgbe")
+      throw Error("HDR pixels in \"" + std::string(value.substr(0, 40)) +
+                      "\" are not supported, only 32-bit_rle_rgbe and 32-bit_rle_xyze",
+                  where);
+    if (header.is_xyz)
+      header.facts.push_back({key, std::string(value), "XYZ in cd/m² over 179, converted to Rec.709 as measured"});
+  }
+  if (key == "EXPOSURE") parse_factors(key, value, 1, header, cursor);
+  if (key == "COLORCORR") parse_factors(key, value, 3, header, cursor);
+  if (key == "PRIMARIES") parse_primaries(value, header);
+  if (key == "GAMMA") parse_gamma(value, header);
+  if (key == "VIEW" || key == "PIXASPECT") header.facts.push_back({key, std::string(value), "not used"});
+}
+
+/// "-Y 512 +X 1024": scanlines are rows from the top, pixels run from the left. "+Y" and "-X" mirror; where "X" stands
+/// first, scanlines are columns.
 void parse_resolution(const std::string& text, HdrHeader& header, const Cursor& cursor, const std::string& where) {
-  char sign_y = 0, sign_x = 0, rest = 0;
-  if (std::sscanf(text.c_str(), "%cY %9d %cX %9d%c", &sign_y, &header.height, &sign_x, &header.width, &rest) != 4 ||
-      (sign_y != '-' && sign_y != '+') || (sign_x != '-' && sign_x != '+'))
+  char sign[2] = {}, axis[2] = {}, rest = 0;
+  int count[2] = {};
+  const auto is_sign = [](char c) { return c == '-' || c == '+'; };
+  if (std::sscanf(text.c_str(), "%c%c %9d %c%c %9d%c", &sign[0], &axis[0], &count[0], &sign[1], &axis[1], &count[1],
+                  &rest) != 6 ||
+      !is_sign(sign[0]) || !is_sign(sign[1]) ||
+      !((axis[0] == 'Y' && axis[1] == 'X') || (axis[0] == 'X' && axis[1] == 'Y')))
     cursor.fail("no resolution line of the form \"-Y height +X width\", but \"" + text.substr(0, 40) + "\"");
-  header.flip_y = sign_y == '+';
-  header.flip_x = sign_x == '-';
+  header.by_columns = axis[0] == 'X';
+  const int x = header.by_columns ? 0 : 1;
+  header.width = count[x];
+  header.height = count[1 - x];
+  header.flip_x = sign[x] == '-';
+  header.flip_y = sign[1 - x] == '+';
+  if (header.by_columns || header.flip_x || header.flip_y)
+    header.facts.push_back({"order", text, header.by_columns ? "columns, set upright" : "mirrored back"});
   if (header.width < 1 || header.height < 1) cursor.fail("empty picture");
   const std::uint64_t bytes = static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height) * 12;
   if (header.width > codec::kMaxImageSize || header.height > codec::kMaxImageSize || bytes > codec::kMaxImageBytes)
@@ -93,16 +191,32 @@ void parse_resolution(const std::string& text, HdrHeader& header, const Cursor& 
 HdrHeader read_header(Cursor& cursor, const std::string& where) {
   HdrHeader header;
   cursor.line();  // "#?RADIANCE", already recognised
-  for (std::string line = cursor.line(); !line.empty(); line = cursor.line()) {
-    const std::string_view view = line;
-    if (view.starts_with("FORMAT=") && view != "FORMAT=32-bit_rle_rgbe")
-      throw Error("HDR pixels in \"" + line.substr(7, 40) + "\" are not supported, only 32-bit_rle_rgbe", where);
-    if (view.starts_with("EXPOSURE=")) parse_exposure_line(view.substr(9), header, cursor);
+  for (std::string line = cursor.line(); !line.empty(); line = cursor.line()) parse_line(line, header, cursor, where);
+  for (int c = 0; c < 3; ++c) {
+    constexpr double kMost = 1e38;  // of a float
+    if (!(header.multiplied[c] > 1.0 / kMost && header.multiplied[c] < kMost))
+      cursor.fail("EXPOSURE and COLORCORR multiply to no number");
   }
   parse_resolution(cursor.line(), header, cursor, where);
-  // Each row takes at least one pixel of four bytes, packed or not.
-  if (cursor.remaining() / 4 < static_cast<std::size_t>(header.height)) cursor.fail("the file is truncated");
+  // Each scanline takes at least one pixel of four bytes, packed or not.
+  if (cursor.remaining() / 4 < static_cast<std::size_t>(header.scanlines())) cursor.fail("the file is truncated");
   return header;
+}
+
+/// The pixels are XYZ, or RGB of the file's primaries.
+void convert(HdrHeader& header, Image& image) {
+  std::optional<mat3> matrix;
+  if (header.is_xyz) {
+    matrix = *rec709_from_rgb(kXyz) * static_cast<float>(1.0 / kWhiteEfficacy);
+    for (ImageFact& fact : header.facts)
+      if (fact.name == "PRIMARIES") fact.done = "not used: pixels are XYZ", fact.is_odd = false;
+  } else if (header.primaries && !is_same(*header.primaries, kRec709)) {
+    matrix = rec709_from_rgb(*header.primaries);
+  }
+  if (!matrix) return;
+  const std::size_t moved = convert_to_rec709(image, *matrix);
+  if (moved > 0)
+    header.facts.push_back({"gamut", fmt::format("{} pixels beyond Rec.709", moved), "brought in at equal luminance"});
 }
 
 /// A row whose four components are run-length coded one after the other. The first two bytes (2, 2) are known.
@@ -180,28 +294,36 @@ Rgbe encode(vec3 rgb) {
 
 }  // namespace
 
-Image codec::decode_hdr(std::span<const std::byte> bytes, const std::string& where) {
+ImageFile codec::decode_hdr(std::span<const std::byte> bytes, const std::string& where) {
   Cursor cursor(bytes, where);
-  const HdrHeader header = read_header(cursor, where);
+  HdrHeader header = read_header(cursor, where);
   std::array<float, 256> scale{};
-  for (int e = 1; e < 256; ++e) scale[static_cast<std::size_t>(e)] = std::ldexp(1.0f, e - 136) / header.exposure;
+  for (int e = 1; e < 256; ++e) scale[static_cast<std::size_t>(e)] = std::ldexp(1.0f, e - 136);
+  const bool is_multiplied = header.multiplied != dvec3(1.0);
+  const vec3 divided(1.0 / header.multiplied);
 
-  Image image(header.width, header.height, 3);
-  const auto width = static_cast<std::size_t>(header.width);
-  std::vector<Rgbe> row(width);
-  for (int line = 0; line < header.height; ++line) {
-    // Packed rows exist only for these widths, so that their mark cannot be a pixel.
-    if (width >= 8 && width < 32768 && cursor.peek_is(2, 2))
-      read_packed_row(cursor, row);
+  ImageFile file;
+  file.image = Image(header.width, header.height, 3);
+  const auto pixels = static_cast<std::size_t>(header.scanline_pixels());
+  std::vector<Rgbe> scanline(pixels);
+  for (int line = 0; line < header.scanlines(); ++line) {
+    // Packed scanlines exist only for these lengths, so that their mark cannot be a pixel.
+    if (pixels >= 8 && pixels < 32768 && cursor.peek_is(2, 2))
+      read_packed_row(cursor, scanline);
     else
-      read_plain_row(cursor, row);
-    float* out = image.pixels.data() + image.index(0, header.flip_y ? header.height - 1 - line : line);
-    for (std::size_t x = 0; x < width; ++x) {
-      const Rgbe p = row[header.flip_x ? width - 1 - x : x];
-      for (std::size_t c = 0; c < 3; ++c) out[x * 3 + c] = static_cast<float>(p[c]) * scale[p[3]];
+      read_plain_row(cursor, scanline);
+    for (int i = 0; i < static_cast<int>(pixels); ++i) {
+      const Rgbe p = scanline[static_cast<std::size_t>(i)];
+      vec3 color(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]));
+      color *= scale[p[3]];
+      if (is_multiplied) color *= divided;
+      const int x = header.by_columns ? line : i, y = header.by_columns ? i : line;
+      file.image.set_rgb(header.flip_x ? header.width - 1 - x : x, header.flip_y ? header.height - 1 - y : y, color);
     }
   }
-  return image;
+  convert(header, file.image);
+  file.facts = std::move(header.facts);
+  return file;
 }
 
 void write_hdr(const std::filesystem::path& path, const Image& image) {

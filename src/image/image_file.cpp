@@ -52,6 +52,15 @@ Image linear_image(const TextureImage& texture) {
 
 }  // namespace
 
+void codec::check_texture_size(std::uint64_t width, std::uint64_t height, std::uint64_t pixel_bytes,
+                               const std::string& where) {
+  const std::string size = "image of " + std::to_string(width) + " x " + std::to_string(height) + " is too large: ";
+  if (width > kMaxTextureSize || height > kMaxTextureSize)
+    throw Error(size + "a side has at most " + std::to_string(kMaxTextureSize) + " pixels", where);
+  if (width * height * pixel_bytes > kMaxTextureBytes)
+    throw Error(size + "it would take more than " + std::to_string(kMaxTextureBytes >> 20) + " MiB", where);
+}
+
 const char* format_name(ImageFormat format) {
   switch (format) {
     case ImageFormat::png:
@@ -98,25 +107,48 @@ TextureImage decode_texture(std::span<const std::byte> bytes, const std::string&
   }
 }
 
-Image read_image(const std::filesystem::path& path, const std::string& layer) {
-  const std::string where = path.string();
-  const std::vector<std::byte> bytes = read_file(path);
+ImageName parse_image_name(const std::string& name) {
+  const auto is_there = [](const std::string& path) {
+    std::error_code code;
+    return std::filesystem::exists(path, code) && !std::filesystem::is_directory(path, code);
+  };
+  std::error_code code;
+  if (std::filesystem::exists(name, code)) return {name, {}};
+  for (std::size_t colon = name.rfind(':'); colon != std::string::npos && colon > 0; colon = name.rfind(':', colon - 1))
+    if (colon + 1 < name.size() && is_there(name.substr(0, colon)))
+      return {name.substr(0, colon), name.substr(colon + 1)};
+  return {name, {}};
+}
+
+ImageFile read_image_file(const ImageName& name) {
+  const std::string where = name.path.string();
+  const std::vector<std::byte> bytes = read_file(name.path);
   const ImageFormat format = sniff_image_format(bytes);
-  if (!layer.empty() && format != ImageFormat::exr)
-    throw Error("layer \"" + layer + "\" asked for, but only OpenEXR files have layers", where);
+  if (!name.layer.empty() && format != ImageFormat::exr)
+    throw Error("layer \"" + name.layer + "\" asked for, but only OpenEXR files have layers", where);
+  ImageFile file;
   switch (format) {
     case ImageFormat::png:
-      return linear_image(codec::decode_png(bytes, where));
-    case ImageFormat::jpeg:
-      return linear_image(codec::decode_jpeg(bytes, where));
-    case ImageFormat::hdr:
-      return codec::decode_hdr(bytes, where);
-    case ImageFormat::exr:
-      return codec::decode_exr(bytes, layer, where);
-    case ImageFormat::unknown:
+      file.image = linear_image(codec::decode_png(bytes, where));
       break;
+    case ImageFormat::jpeg:
+      file.image = linear_image(codec::decode_jpeg(bytes, where));
+      break;
+    case ImageFormat::hdr:
+      file = codec::decode_hdr(bytes, where);
+      break;
+    case ImageFormat::exr:
+      file = codec::decode_exr(bytes, name.layer, where);
+      break;
+    case ImageFormat::unknown:
+      throw Error("not an image (PNG, JPEG, Radiance HDR and OpenEXR are known)", where);
   }
-  throw Error("not an image (PNG, JPEG, Radiance HDR and OpenEXR are known)", where);
+  file.format = format;
+  return file;
+}
+
+Image read_image(const std::filesystem::path& path, const std::string& layer) {
+  return read_image_file(layer.empty() ? parse_image_name(path.string()) : ImageName{path, layer}).image;
 }
 
 }  // namespace candela

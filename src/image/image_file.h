@@ -24,14 +24,51 @@ ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where
 /// Decodes PNG or JPEG to RGBA texels. Throws Error(…, where) for other formats, damaged data or sizes above 16384.
 TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where);
 
-/// Reads a linear image: Radiance .hdr, OpenEXR (RGB/RGBA/Y of the first part, or of `layer`), PNG/JPEG (sRGB decoded).
-/// The result has 3 channels, or 4 where the file has alpha; PNG/JPEG alpha is premultiplied on the way in.
+/// How a picture of light from everywhere covers the directions, where the file itself says so (OpenEXR's `envmap`).
+enum class Projection { unsaid, latlong, cube };
+
+/// One thing that a file says of its pixels, and what reading made of it.
+struct ImageFact {
+  std::string name;     ///< "chromaticities", "EXPOSURE"
+  std::string value;    ///< as the file has it
+  std::string done;     ///< "converted to Rec.709"
+  bool is_odd = false;  ///< it could not be followed: whoever uses the picture should hear of it
+};
+
+/// A picture and what its file says of it.
+struct ImageFile {
+  Image image;
+  ImageFormat format = ImageFormat::unknown;
+  Projection projection = Projection::unsaid;
+  std::vector<ImageFact> facts;
+};
+
+/// The name of a picture: a file, or FILE:LAYER for one layer of an OpenEXR file. Where a file of the whole name
+/// exists, that is meant; else the longest part before a colon that is a file.
+struct ImageName {
+  std::filesystem::path path;
+  std::string layer;
+
+  /// For people: FILE or FILE:LAYER.
+  std::string text() const { return layer.empty() ? path.string() : path.string() + ":" + layer; }
+};
+ImageName parse_image_name(const std::string& name);
+
+/// Reads a linear image in Rec.709: Radiance .hdr (RGBE and XYZE), OpenEXR, PNG/JPEG (sRGB decoded). The result has 3
+/// channels, or 4 where the file has alpha; PNG/JPEG alpha is premultiplied on the way in.
+///
+/// Of an OpenEXR file the picture is the first part with R, G, B, with Y, RY, BY or with Y; else the only layer that
+/// has these; else data (X, Y, Z of a position, Z of a depth). A layer is "LAYER.*" in any part, or a part or a view of
+/// that name. What chromaticities, PRIMARIES, COLORCORR, EXPOSURE and the like ask for is done, and told in `facts`.
+ImageFile read_image_file(const ImageName& name);
+/// The picture alone. Without `layer`, `path` may be FILE:LAYER.
 Image read_image(const std::filesystem::path& path, const std::string& layer = {});
 
-/// What the first header of an OpenEXR file says, without its pixels.
+/// What the headers of an OpenEXR file say, without its pixels.
 struct ExrHeader {
-  std::vector<std::string> channels;            ///< full names, sorted, e.g. "R", "albedo.R"
-  std::map<std::string, std::string> metadata;  ///< every string attribute by name
+  std::vector<std::string> channels;            ///< full names, sorted within each part, e.g. "R", "albedo.R"
+  std::vector<std::string> layers;              ///< sorted: what can be read by name
+  std::map<std::string, std::string> metadata;  ///< every string attribute by name; the first part's where they differ
 };
 /// Throws Error.
 ExrHeader read_exr_header(const std::filesystem::path& path);

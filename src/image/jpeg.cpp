@@ -42,6 +42,7 @@ void check(tjhandle handle, int result, const std::string& where) {
   if (result == 0) return;
   const std::string message = tjGetErrorStr2(handle);
   if (tjGetErrorCode(handle) == TJERR_WARNING && message.find("extraneous bytes") != std::string::npos) return;
+  if (message.find("image dimension") != std::string::npos) throw Error("image is too large: " + message, where);
   throw Error("damaged JPEG: " + message, where);
 }
 
@@ -51,9 +52,10 @@ JpegHeader read_header(tjhandle handle, std::span<const std::byte> bytes, const 
   const int result = tjDecompressHeader3(handle, jpeg_data(bytes), static_cast<unsigned long>(bytes.size()),
                                          &header.width, &header.height, &subsampling, &header.colorspace);
   check(handle, result, where);
-  if (header.width > codec::kMaxTextureSize || header.height > codec::kMaxTextureSize)
-    throw Error("image of " + std::to_string(header.width) + " x " + std::to_string(header.height) + " is too large",
-                where);
+  // Where the data ends before it comes to a frame the library reports success.
+  if (header.width <= 0 || header.height <= 0) throw Error("damaged JPEG: it has no frame", where);
+  codec::check_texture_size(static_cast<std::uint64_t>(header.width), static_cast<std::uint64_t>(header.height), 4,
+                            where);
   return header;
 }
 

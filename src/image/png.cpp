@@ -65,7 +65,8 @@ void on_read(png_structp png, png_bytep out, std::size_t count) {
 
 void read_header(PngReader& reader) {
   png_set_read_fn(reader.png, &reader, on_read);
-  png_set_user_limits(reader.png, codec::kMaxTextureSize, codec::kMaxTextureSize);
+  // What is too large is said by check_size, not by libpng, which takes it for damage.
+  png_set_user_limits(reader.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
   // Chunks that do not change texels can be large or deflated bombs: never look inside.
   static constexpr png_byte kIgnored[] = "iCCP\0iTXt\0tEXt\0zTXt\0sPLT\0hIST\0eXIf";
   png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, kIgnored, static_cast<int>(sizeof(kIgnored) / 5));
@@ -93,15 +94,19 @@ void run(PngReader& reader, void (*step)(PngReader&), const std::string& where) 
   if (!guarded(reader, step)) throw Error(std::string("damaged PNG: ") + reader.message, where);
 }
 
-/// Refuses what would take too much memory, and headers that promise more than the file can hold: deflate never packs
-/// better than 1032 : 1 (zlib technical details), so a short file cannot hold a large picture.
+/// Refuses what no texture may be, or what would take too much memory.
+void check_size(const PngReader& reader, const std::string& where) {
+  codec::check_texture_size(png_get_image_width(reader.png, reader.info), png_get_image_height(reader.png, reader.info),
+                            png_get_bit_depth(reader.png, reader.info) == 16 ? 8 : 4, where);
+}
+
+/// Refuses headers that promise more than the file can hold: deflate never packs better than 1032 : 1 (zlib technical
+/// details), so a short file cannot hold a large picture.
 void check_plausible(const PngReader& reader, const std::string& where) {
   const std::uint64_t width = png_get_image_width(reader.png, reader.info);
   const std::uint64_t height = png_get_image_height(reader.png, reader.info);
   const std::uint64_t bits = png_get_bit_depth(reader.png, reader.info);
   const std::uint64_t bits_per_pixel = bits * png_get_channels(reader.png, reader.info);
-  if (width * height * (bits == 16 ? 8 : 4) > codec::kMaxTextureBytes)
-    throw Error("image of " + std::to_string(width) + " x " + std::to_string(height) + " is too large", where);
   if ((width * bits_per_pixel + 7) / 8 * height > 1032 * std::uint64_t{reader.size})
     throw Error("damaged PNG: the file is truncated", where);
 }
@@ -178,6 +183,7 @@ bool is_opaque(const DisplayImage& image) {
 ivec2 codec::png_size(std::span<const std::byte> bytes, const std::string& where) {
   PngReader reader(bytes);
   run(reader, read_header, where);
+  check_size(reader, where);
   return {static_cast<int>(png_get_image_width(reader.png, reader.info)),
           static_cast<int>(png_get_image_height(reader.png, reader.info))};
 }
@@ -185,6 +191,7 @@ ivec2 codec::png_size(std::span<const std::byte> bytes, const std::string& where
 TextureImage codec::decode_png(std::span<const std::byte> bytes, const std::string& where) {
   PngReader reader(bytes);
   run(reader, read_header, where);
+  check_size(reader, where);
   check_plausible(reader, where);
 
   TextureImage image;

@@ -28,8 +28,8 @@ class DracoMesh {
   std::size_t vertex_count() const;
   /// Three indices of 32 bits for each face.
   std::vector<std::byte> indices() const;
-  /// An attribute by its id in the stream, packed as numbers of glTF's `component_type`. Throws Error where the stream has
-  /// no such attribute, of so many components.
+  /// An attribute by its id in the stream, packed as numbers of glTF's `component_type`. Throws Error where the stream
+  /// has no such attribute, of so many components.
   std::vector<std::byte> attribute(std::uint32_t id, int component_type, std::size_t components) const;
 
  private:

@@ -16,6 +16,8 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "io/gltf_animation.h"
+#include "io/gltf_extensions.h"
+#include "io/gltf_files.h"
 #include "io/gltf_lights.h"
 #include "io/gltf_material.h"
 #include "io/gltf_mesh.h"
@@ -26,44 +28,6 @@ namespace candela::io {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr auto kSupported = std::to_array<std::string_view>({
-    "EXT_lights_ies",
-    "EXT_mesh_gpu_instancing",
-    "EXT_mesh_primitive_restart",
-    "EXT_meshopt_compression",
-    "KHR_accessor_float16",
-    "KHR_accessor_float64",
-    "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_scatter",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_variants",
-    "KHR_materials_volume",
-    "KHR_materials_volume_scatter",
-    "KHR_mesh_primitive_restart",
-    "KHR_mesh_quantization",
-    "KHR_meshopt_compression",
-    "KHR_texture_transform",
-});
-/// Describe the asset and change no pixel.
-constexpr auto kMetadata = std::to_array<std::string_view>({"KHR_xmp", "KHR_xmp_json_ld"});
-
-bool is_in(std::span<const std::string_view> list, std::string_view name) {
-  return std::find(list.begin(), list.end(), name) != list.end();
-}
-bool is_known(std::string_view name) { return is_in(kSupported, name) || is_in(kMetadata, name); }
 
 std::vector<std::string> read_names(const JsonView& root, const char* key) {
   std::vector<std::string> result;
@@ -92,7 +56,8 @@ std::optional<Variant> find_variant(const JsonView& root, const FileInfo& info, 
   return Variant{static_cast<std::size_t>(found - info.variants.begin()), info.variants.size()};
 }
 
-FileInfo read_info(const JsonView& root, std::size_t file_bytes) {
+FileInfo read_info(const GltfDocument& document, std::size_t file_bytes) {
+  const JsonView root = document.root();
   FileInfo info;
   const auto asset = root.find("asset");
   if (!asset || !asset->find("version")) throw root.error("not a glTF 2.0 file: it has no asset version");
@@ -107,31 +72,12 @@ FileInfo read_info(const JsonView& root, std::size_t file_bytes) {
   info.copyright = asset->string_or("copyright");
   info.extensions_used = read_names(root, "extensionsUsed");
   info.extensions_required = read_names(root, "extensionsRequired");
-  const auto copy_unknown = [](const std::vector<std::string>& names, std::vector<std::string>& unknown) {
-    std::copy_if(names.begin(), names.end(), std::back_inserter(unknown),
-                 [](const std::string& name) { return !is_known(name); });
-  };
-  copy_unknown(info.extensions_used, info.extensions_ignored);
-  copy_unknown(info.extensions_required, info.extensions_missing);
+  sort_extensions(document, info);
   info.variants = read_variants(root);
   info.animations = read_animation_list(root);
   info.skins = static_cast<int>(count_of(root, "skins"));
   info.file_bytes = file_bytes;
   return info;
-}
-
-void check_extensions(const JsonView& root, const FileInfo& info, bool refuse_unknown, Warnings& warnings) {
-  for (const std::string& name : info.extensions_missing) {
-    const JsonView list = root.at("extensionsRequired");
-    const std::string message = fmt::format("the file requires {}, which is not supported", name);
-    if (refuse_unknown) throw list.error(message);
-    warnings.warn(message, list);
-  }
-  for (const std::string& name : info.extensions_ignored) {
-    const auto& missing = info.extensions_missing;
-    if (std::find(missing.begin(), missing.end(), name) != missing.end()) continue;
-    warnings.warn(fmt::format("{} is not supported and will be ignored", name), root.at("extensionsUsed"));
-  }
 }
 
 Camera read_camera(const JsonView& json) {
@@ -173,7 +119,8 @@ std::vector<float> read_weights(const JsonView& owner) {
 /// What one scene of a file leaves to the next.
 struct Kept {
   std::vector<std::shared_ptr<const TextureImage>> images;
-  std::map<MeshKey, Mesh> meshes;  ///< without a skin: the same wherever the nodes are
+  std::vector<std::size_t> lost_images;  ///< that could not be read
+  std::map<MeshKey, Mesh> meshes;        ///< without a skin: the same wherever the nodes are
 };
 
 class Loader {
@@ -185,7 +132,7 @@ class Loader {
         options_(options),
         warnings_(diagnostics),
         buffers_(buffers),
-        reader_(root_, buffers_, file_bytes) {}
+        reader_(root_, buffers_, file_bytes, warnings_) {}
 
   /// With `kept` what is there is not read again, and what may serve again is put there.
   Scene load(const FileInfo& info, const std::optional<Pose>& pose, Kept* kept);
@@ -194,10 +141,14 @@ class Loader {
   void collect_meshes();
   void collect_materials();
   void read_meshes_and_images(Kept* kept);
+  void lose_image(std::size_t image, const Error& cause);
   Mesh read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins);
   void place_nodes();
   void read_cameras_and_lights();
+  void place_mesh(std::size_t file_index, int mesh, const Box3& box, int scene_node, Node& node,
+                  std::vector<Node>& appended);
   void check_extent(const mat4& world_from_mesh, std::size_t file_index, const Box3& box) const;
+  void check_scale(const mat4& world_from_mesh, std::size_t file_index);
 
   JsonView root_;
   const UriReader& uris_;
@@ -211,6 +162,7 @@ class Loader {
   std::vector<std::optional<std::size_t>> mesh_of_node_;  ///< of the file
   std::map<std::size_t, int> camera_of_file_, light_of_file_, ies_light_of_node_;
   MaterialSet materials_;
+  bool is_posed_ = false;  ///< by an animation, which may hide things by a scale of 0
   Scene scene_;
 };
 
@@ -260,6 +212,7 @@ void Loader::collect_materials() {
   materials_ = read_materials(root_, used, want_default, buffers_, warnings_);
   scene_.materials = materials_.materials;
   scene_.textures = materials_.textures;
+  for (const ImageSource& image : materials_.images) scene_.image_file_indices.push_back(image.file_index);
 }
 
 Mesh Loader::read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins) {
@@ -270,14 +223,27 @@ Mesh Loader::read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::siz
     if (is_new) found->second = read_skin(root_.at("skins")[*skin], file_.nodes, reader_);
     pose.joints = found->second;
   }
-  return reader.read(root_.at("meshes")[mesh], pose);
+  return reader.read(root_.at("meshes")[mesh], static_cast<int>(mesh), pose);
 }
 
-/// Geometry is one task, each image another. Of several errors the geometry's, then the first image's is thrown.
+/// What cannot be read is replaced by what changes nothing: one white texel, which no material asks for any more.
+void Loader::lose_image(std::size_t image, const Error& cause) {
+  TextureImage white;
+  white.width = white.height = 1;
+  if (options_.decode_images) white.pixels.assign(4, 0xFF);
+  scene_.images[image] = std::make_shared<const TextureImage>(std::move(white));
+  const bool is_dark = drop_image(static_cast<int>(image), scene_.textures, scene_.materials);
+  warnings_.warn(
+      cause.message() + (is_dark ? "; shown without it, dark where it would say what glows" : "; shown without it"),
+      cause.where());
+}
+
+/// Geometry is one task, each image another. Of several oddities the geometry's, then the first image's comes first.
 void Loader::read_meshes_and_images(Kept* kept) {
   const std::size_t image_count = materials_.images.size();
   scene_.images.resize(image_count);
-  std::vector<std::exception_ptr> errors(image_count + 1);
+  std::vector<std::optional<Error>> lost(image_count);
+  std::exception_ptr error;
   std::atomic<std::uint64_t> texels = 0;
   const auto read_meshes = [&] {
     MeshReader reader(reader_, warnings_, materials_.materials, materials_.material_of_file,
@@ -298,21 +264,34 @@ void Loader::read_meshes_and_images(Kept* kept) {
   };
   parallel_for(0, image_count + 1, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t task = begin; task < end; ++task) {
-      try {
-        if (task == 0) {
+      if (task == 0) {
+        try {
           read_meshes();
-        } else if (kept != nullptr && !kept->images.empty()) {
-          scene_.images[task - 1] = kept->images[task - 1];
-        } else {
-          scene_.images[task - 1] = load_image(materials_.images[task - 1], uris_, options_.decode_images, texels);
+        } catch (...) {
+          error = std::current_exception();
         }
-      } catch (...) {
-        errors[task] = std::current_exception();
+      } else if (kept != nullptr && !kept->images.empty()) {
+        scene_.images[task - 1] = kept->images[task - 1];
+      } else {
+        try {
+          scene_.images[task - 1] = load_image(materials_.images[task - 1], uris_, options_.decode_images, texels);
+        } catch (const Error& cause) {
+          lost[task - 1] = cause;
+        }
       }
     }
   });
-  for (const auto& error : errors) {
-    if (error) std::rethrow_exception(error);
+  if (error) std::rethrow_exception(error);
+  if (texels > kMostTexels) {
+    throw root_.at("images").error(fmt::format("the textures have more than {} texels in total", kMostTexels));
+  }
+  for (const std::size_t image : kept != nullptr ? kept->lost_images : std::vector<std::size_t>()) {
+    drop_image(static_cast<int>(image), scene_.textures, scene_.materials);
+  }
+  for (std::size_t i = 0; i < image_count; ++i) {
+    if (!lost[i]) continue;
+    lose_image(i, *lost[i]);
+    if (kept != nullptr) kept->lost_images.push_back(i);
   }
 }
 
@@ -324,6 +303,7 @@ void Loader::read_cameras_and_lights() {
   for (auto& [file_index, index] : camera_of_file_) {
     index = static_cast<int>(scene_.cameras.size());
     scene_.cameras.push_back(read_camera(root_.at("cameras")[file_index]));
+    scene_.cameras.back().file_index = static_cast<int>(file_index);
   }
   LightReader lights(root_, buffers_, uris_, warnings_, scene_);
   for (auto& [file_index, index] : light_of_file_) index = lights.add_punctual(file_index);
@@ -343,6 +323,57 @@ void Loader::check_extent(const mat4& world_from_mesh, std::size_t file_index, c
       throw root_.at("nodes")[file_index].error(
           fmt::format("the mesh reaches beyond {:g} metres from the origin", kLargestCoordinate));
     }
+  }
+}
+
+/// A mesh that is flat because of a scale of 0, its node's own or one above it, and that nobody hides on purpose.
+void Loader::check_scale(const mat4& world_from_mesh, std::size_t file_index) {
+  if (is_posed_) return;
+  glm::dmat3 linear(world_from_mesh);
+  bool is_flat = false;
+  for (int i = 0; i < 3; ++i) {
+    const double length = glm::length(linear[i]);
+    is_flat |= !(length > 0.0);
+    if (length > 0.0) linear[i] /= length;
+  }
+  // Below what rounding leaves of three axes in one plane.
+  if (!is_flat && std::fabs(glm::determinant(linear)) > 1e-9) return;
+  const std::string& name = file_.nodes[file_index].name;
+  warnings_.warn(fmt::format("node {}{}: a scale of 0 flattens its mesh", file_index,
+                             name.empty() ? "" : fmt::format(" '{}'", name)),
+                 root_.at("nodes")[file_index]);
+}
+
+/// Puts a mesh into its node, or where it hangs on other transforms than the node's into nodes of its own.
+void Loader::place_mesh(std::size_t file_index, int mesh, const Box3& box, int scene_node, Node& node,
+                        std::vector<Node>& appended) {
+  const FileNode& source = file_.nodes[file_index];
+  const JsonView json = root_.at("nodes")[file_index];
+  if (const auto instancing = json.extension("EXT_mesh_gpu_instancing")) {
+    const Instances instances = read_instances(*instancing, reader_, warnings_);
+    for (std::size_t i = 0; i < instances.node_from_instance.size(); ++i) {
+      Node instance;
+      instance.name = source.name;
+      instance.parent = scene_node;
+      instance.parent_from_node = instances.node_from_instance[i];
+      instance.mesh = mesh;
+      instance.file_index = static_cast<int>(file_index);
+      if (!instances.colors.empty()) instance.color = instances.colors[i];
+      const mat4 world_from_mesh = source.world_from_node * instance.parent_from_node;
+      check_extent(world_from_mesh, file_index, box);
+      check_scale(world_from_mesh, file_index);
+      appended.push_back(std::move(instance));
+    }
+  } else if (source.skin) {
+    Node posed;
+    posed.name = source.name;
+    posed.mesh = mesh;
+    posed.file_index = static_cast<int>(file_index);
+    appended.push_back(std::move(posed));
+  } else {
+    check_extent(source.world_from_node, file_index, box);
+    check_scale(source.world_from_node, file_index);
+    node.mesh = mesh;
   }
 }
 
@@ -366,30 +397,12 @@ void Loader::place_nodes() {
     node.name = source.name;
     node.parent = source.parent ? node_of_file[*source.parent] : -1;
     node.parent_from_node = source.parent_from_node;
+    node.file_index = static_cast<int>(i);
     if (source.camera) node.camera = camera_of_file_.at(*source.camera);
     if (source.light) node.light = light_of_file_.at(*source.light);
     const auto mesh = mesh_of_node_[i];
     if (mesh && !scene_.meshes[*mesh].primitives.empty()) {
-      const auto instancing = root_.at("nodes")[i].extension("EXT_mesh_gpu_instancing");
-      if (instancing) {
-        for (const mat4& node_from_instance : read_instances(*instancing, reader_)) {
-          Node instance;
-          instance.name = source.name;
-          instance.parent = node_of_file[i];
-          instance.parent_from_node = node_from_instance;
-          instance.mesh = static_cast<int>(*mesh);
-          check_extent(source.world_from_node * node_from_instance, i, boxes[*mesh]);
-          appended.push_back(std::move(instance));
-        }
-      } else if (source.skin) {
-        Node posed;
-        posed.name = source.name;
-        posed.mesh = static_cast<int>(*mesh);
-        appended.push_back(posed);
-      } else {
-        check_extent(source.world_from_node, i, boxes[*mesh]);
-        node.mesh = static_cast<int>(*mesh);
-      }
+      place_mesh(i, static_cast<int>(*mesh), boxes[*mesh], node_of_file[i], node, appended);
     }
     if (source.ies && node.light < 0) {
       node.light = ies_light_of_node_.at(i);
@@ -397,6 +410,7 @@ void Loader::place_nodes() {
       Node second;
       second.name = source.name;
       second.parent = node_of_file[i];
+      second.file_index = static_cast<int>(i);
       second.light = ies_light_of_node_.at(i);
       appended.push_back(second);
     }
@@ -408,6 +422,8 @@ void Loader::place_nodes() {
 Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* kept) {
   check_extensions(root_, info, options_.refuse_unknown_required, warnings_);
   variant_ = find_variant(root_, info, options_.variant);
+  is_posed_ = pose.has_value();
+  check_channels(root_, warnings_);
   file_ = read_nodes(root_, warnings_, [&](std::vector<FileNode>& nodes) {
     if (!pose) return;
     for (const std::size_t index : find_animations(root_, pose->animation)) {
@@ -447,7 +463,9 @@ struct GltfFile::Parts {
         document(bytes, std::move(label), diagnostics),
         uris(base_folder),
         buffers(document, uris),
-        info(read_info(document.root(), bytes.size())) {}
+        info(read_info(document, bytes.size())) {
+    info.files = referenced_files(document.json(), uris);
+  }
 };
 
 GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, std::string label,
@@ -460,6 +478,8 @@ GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, st
 GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info)
     : GltfFile(read_file(path), folder_of(path), path.string(), diagnostics, std::move(options), info) {
   parts_->scene_name = path.stem().string();
+  parts_->info.files.insert(parts_->info.files.begin(), {path, ""});
+  if (info) info->files = parts_->info.files;
 }
 
 GltfFile::~GltfFile() = default;

@@ -37,6 +37,12 @@ struct AnimationInfo {
   int channels = 0;
 };
 
+/// A file that a scene is made of.
+struct ReferencedFile {
+  std::filesystem::path path;
+  std::string place;  ///< the JSON pointer of what names it, after a #; empty of the .gltf or .glb itself
+};
+
 /// What a file says about itself and the scene does not keep.
 struct FileInfo {
   std::string generator;
@@ -45,25 +51,36 @@ struct FileInfo {
   std::vector<std::string> extensions_used;
   std::vector<std::string> extensions_required;
   std::vector<std::string> extensions_ignored;  ///< used, but not supported
+  std::vector<std::string> extensions_unseen;   ///< used and not read, because they change no pixel
   std::vector<std::string> variants;            ///< names of KHR_materials_variants
   std::vector<std::string> extensions_missing;  ///< required, but not supported
   std::vector<AnimationInfo> animations;
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself
+  /// All that it names, whether the scene needs them or not, whether they are there or not; first the file itself.
+  std::vector<ReferencedFile> files;
 };
+
+/// FileInfo::files without reading more than the document. Throws Error where it is none.
+std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path);
 
 /// Loads a .gltf or .glb. Every number is checked before it is used; on bad input throws Error whose `where` is the
 /// file and, where there is one, the JSON pointer. An unknown required extension is an Error that names it; unknown
-/// optional ones and recoverable oddities go to `diagnostics`. The result passes validate().
+/// optional ones and recoverable oddities go to `diagnostics`, as notes where they change no pixel. The result passes
+/// validate().
+///
+/// An image that is missing or damaged is a warning; textures of it are as if the file had none, so that the factors
+/// beside them count alone, but what an emissive texture should say glows is dark: a factor is the brightest that the
+/// texture may make it, and would make the whole surface a lamp.
 ///
 /// The scene is the file's default scene (else its first, else all root nodes). It holds what that scene uses and
 /// nothing else, renumbered without gaps in the file's order: other nodes, meshes, materials, images, cameras and
 /// lights are neither read nor decoded. Morph targets and skins are applied as the nodes stand (a mesh
 /// appears once per pose); a skinned mesh, whose node's own transform glTF ignores, moves to a root node of the same
-/// name after the file's nodes; so do the instances of EXT_mesh_gpu_instancing, as children; the IES light of a node
-/// that has a punctual one too becomes its child there. Triangles without an area and vertices without a triangle are
-/// dropped. Every uv set that a primitive's material reads is present, as zeros where the file has none. Coordinates
-/// stay within 1e9 metres.
+/// name and number after the file's nodes; so do the instances of EXT_mesh_gpu_instancing, as children, with their
+/// _COLOR_0 as Node::color; the IES light of a node that has a punctual one too becomes its child there. Triangles
+/// without an area and vertices without a triangle are dropped. Every uv set that a primitive's material reads is
+/// present, as zeros where the file has none. Coordinates stay within 1e9 metres.
 ///
 /// Nodes stand as the file places them; GltfFile has them at any moment of its animations.
 Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);

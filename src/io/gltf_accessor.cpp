@@ -51,11 +51,11 @@ struct Half {
   std::uint16_t bits;
 };
 
-float to_float(Half value, float) { return glm::unpackHalf1x16(value.bits); }
-
 template <class T>
 float to_float(T value, float divisor) {
-  if constexpr (std::is_floating_point_v<T>) {
+  if constexpr (std::is_same_v<T, Half>) {
+    return glm::unpackHalf1x16(value.bits);
+  } else if constexpr (std::is_floating_point_v<T>) {
     return static_cast<float>(value);
   } else {
     const float quotient = static_cast<float>(value) / divisor;
@@ -122,8 +122,8 @@ std::vector<std::uint32_t> decode_whole(std::span<const std::byte> bytes, std::s
 
 }  // namespace
 
-AccessorReader::AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes)
-    : root_(root), buffers_(buffers), file_bytes_(file_bytes) {
+AccessorReader::AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes, Warnings& warnings)
+    : root_(root), buffers_(buffers), file_bytes_(file_bytes), warnings_(warnings) {
   for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
     const auto names = root_.find(list);
     for (std::size_t i = 0; names && i < names->size(); ++i) {
@@ -170,9 +170,8 @@ bool AccessorReader::open_draco(std::size_t index, Accessor& accessor) {
   if (source.values.empty()) {
     charge(std::uint64_t{accessor.count} * accessor.stride, accessor.json);
     try {
-      source.values = source.attribute
-                          ? mesh.attribute(*source.attribute, accessor.component_type, accessor.components)
-                          : mesh.indices();
+      source.values = source.attribute ? mesh.attribute(*source.attribute, accessor.component_type, accessor.components)
+                                       : mesh.indices();
     } catch (const Error& cause) {
       throw source.view.error(cause.message());
     }
@@ -208,9 +207,12 @@ Accessor AccessorReader::open(const JsonView& reference, std::initializer_list<c
   const bool is_plain = result.component_type < kU32;
   if (result.normalized && !is_plain) throw json.error("only integers of 8 and 16 bits can be normalized");
 
-  if (open_draco(index, result)) {
-    // Beside it there may be a fallback.
-  } else if (const auto view_index = json.find("bufferView")) {
+  const auto view_index = json.find("bufferView");
+  const bool is_draco = open_draco(index, result);  // beside it there may be a fallback
+  const auto undefined = view_index && !is_draco ? buffers_.find_undefined(*view_index) : std::nullopt;
+  if (undefined) {
+    warnings_.warn("the buffer has neither a uri nor data in the file; what needs it is read as zeros", *undefined);
+  } else if (view_index && !is_draco) {
     const BufferView view = buffers_.view(*view_index);
     const std::uint64_t offset = json.whole_or("byteOffset", 0);
     result.stride = view.stride == 0 ? size : view.stride;

@@ -7,12 +7,14 @@
 #include <vector>
 
 #include "io/gltf_document.h"
+#include "io/gltf_warnings.h"
 #include "math/types.h"
 
 namespace candela::io {
 
 /// Component types: glTF 2.0 §3.6.2.2, and KHR_accessor_float16 and KHR_accessor_float64 (drafts).
-inline constexpr int kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kF32 = 5126, kF64 = 5130, kF16 = 5131;
+inline constexpr int kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kF32 = 5126, kF64 = 5130,
+                     kF16 = 5131;
 
 /// What stands among indices where a strip or fan ends and the next begins.
 inline constexpr std::uint32_t kPrimitiveRestart = 0xFFFFFFFF;
@@ -38,10 +40,10 @@ using Selection = std::optional<std::span<const std::uint32_t>>;
 /// cannot make the loader allocate without bound. Not thread-safe.
 class AccessorReader {
  public:
-  AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes);
+  AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes, Warnings& warnings);
 
-  /// The accessor that the JSON number `reference` points at. `types`: what may stand there, e.g. {"VEC3", "VEC4"}. Of a
-  /// primitive with KHR_draco_mesh_compression it holds what the Draco data says.
+  /// The accessor that the JSON number `reference` points at. `types`: what may stand there, e.g. {"VEC3", "VEC4"}. Of
+  /// a primitive with KHR_draco_mesh_compression it holds what the Draco data says.
   Accessor open(const JsonView& reference, std::initializer_list<const char*> types);
 
   /// Elements as vectors or matrices of exactly as many floats as the type has; normalised integers as glTF 2.0
@@ -78,6 +80,7 @@ class AccessorReader {
   JsonView root_;
   GltfBuffers& buffers_;
   std::uint64_t file_bytes_;
+  Warnings& warnings_;
   std::uint64_t charged_ = 0;
   std::map<std::size_t, DracoSource> draco_;  ///< by accessor
   bool has_restarts_ = false;

@@ -6,10 +6,15 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
+#include <string>
+#include <utility>
 
 namespace candela::io {
 
 namespace {
+
+constexpr std::size_t kLongestPath = 40;  // characters of a target's path that are worth repeating
 
 enum class Interpolation { step, linear, cubic_spline };
 
@@ -167,6 +172,23 @@ std::vector<std::size_t> find_animations(const JsonView& root, const std::string
                                count == 0 ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
+void check_channels(const JsonView& root, Warnings& warnings) {
+  const std::size_t nodes = count_of(root, "nodes");
+  for (std::size_t i = 0; i < count_of(root, "animations"); ++i) {
+    const auto channels = root.at("animations")[i].find("channels");
+    std::set<std::pair<std::size_t, std::string>> moved;
+    for (std::size_t k = 0; channels && k < channels->size(); ++k) {
+      const auto target = (*channels)[k].find("target");
+      const auto node = target ? target->index_of("node", nodes, "node") : std::nullopt;
+      const std::string path = target ? target->string_or("path") : std::string();
+      if (!node || moved.emplace(*node, path).second) continue;
+      warnings.warn(
+          fmt::format("two channels move the {} of node {}; the last one counts", path.substr(0, kLongestPath), *node),
+          (*channels)[k]);
+    }
+  }
+}
+
 void pose_nodes(const JsonView& animation, double time, AccessorReader& reader, Warnings& warnings,
                 std::vector<FileNode>& nodes) {
   const JsonView channels = animation.at("channels"), samplers = animation.at("samplers");
@@ -174,8 +196,9 @@ void pose_nodes(const JsonView& animation, double time, AccessorReader& reader, 
     const JsonView target = channels[i].at("target");
     const std::string path = target.at("path").string();
     if (path != "translation" && path != "rotation" && path != "scale" && path != "weights") {
-      warnings.warn(fmt::format("an animation of '{}' is not supported and will be ignored", path.substr(0, 40)),
-                    target);
+      warnings.warn(
+          fmt::format("an animation of '{}' is not supported and will be ignored", path.substr(0, kLongestPath)),
+          target);
       continue;
     }
     const auto index = target.index_of("node", nodes.size(), "node");

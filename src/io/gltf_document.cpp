@@ -6,10 +6,12 @@
 #include <array>
 #include <cstring>
 #include <exception>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include "base/file.h"
@@ -84,6 +86,62 @@ Container split_glb(std::span<const std::byte> bytes, const std::string& file, D
   if (result.json.empty()) throw Error("the GLB has no JSON chunk", file);
   return result;
 }
+
+/// Looks at a document while it is parsed: keys that an object has twice.
+class DuplicateKeys {
+ public:
+  explicit DuplicateKeys(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+
+  bool operator()(int /*depth*/, nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
+    using Event = nlohmann::json::parse_event_t;
+    switch (event) {
+      case Event::key:
+        add_key(parsed.get_ref<const std::string&>());
+        break;
+      case Event::object_start:
+      case Event::array_start:
+        count_element();
+        levels_.push_back({.is_array = event == Event::array_start, .keys = {}, .key = {}, .count = 0});
+        break;
+      case Event::object_end:
+      case Event::array_end:
+        levels_.pop_back();
+        break;
+      case Event::value:
+        count_element();
+        break;
+    }
+    return true;
+  }
+
+ private:
+  struct Level {
+    bool is_array;
+    std::unordered_set<std::string> keys;
+    std::string key;  ///< the last
+    std::size_t count;
+  };
+  static constexpr std::size_t kMostTold = 10;
+
+  void count_element() {
+    if (!levels_.empty() && levels_.back().is_array) ++levels_.back().count;
+  }
+  void add_key(const std::string& key) {
+    levels_.back().key = key;
+    if (levels_.back().keys.insert(key).second || ++told_ > kMostTold) return;
+    std::string pointer;
+    for (const Level& level : levels_) {
+      pointer += '/' + (level.is_array ? std::to_string(level.count - 1) : escaped_token(level.key));
+    }
+    diagnostics_.warn(fmt::format("the key '{}' is given twice; the last one counts", shortened(key)),
+                      file_ + '#' + pointer);
+  }
+
+  const std::string& file_;
+  Diagnostics& diagnostics_;
+  std::vector<Level> levels_;
+  std::size_t told_ = 0;
+};
 
 bool looks_like_json(std::span<const std::byte> bytes) {
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -177,6 +235,12 @@ bool has_scheme(std::string_view uri) {
   return end != std::string_view::npos && end > 0 && uri[end] == ':';
 }
 
+/// Where the packed bytes of a buffer view are.
+std::optional<JsonView> meshopt_of(const JsonView& view) {
+  const auto meshopt = view.extension("KHR_meshopt_compression");
+  return meshopt ? meshopt : view.extension("EXT_meshopt_compression");
+}
+
 MeshoptLayout read_meshopt_layout(const JsonView& json) {
   using Mode = MeshoptLayout::Mode;
   using Filter = MeshoptLayout::Filter;
@@ -207,7 +271,8 @@ MeshoptLayout read_meshopt_layout(const JsonView& json) {
 GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string file, Diagnostics& diagnostics)
     : file_(std::move(file)) {
   Container container;
-  if (bytes.size() >= 4 && read_u32(bytes, 0) == kGlbMagic) {
+  is_glb_ = bytes.size() >= 4 && read_u32(bytes, 0) == kGlbMagic;
+  if (is_glb_) {
     container = split_glb(bytes, file_, diagnostics);
   } else if (looks_like_json(bytes)) {
     container.json = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -218,7 +283,8 @@ GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string file, D
   while (!container.json.empty() && container.json.back() == '\0') container.json.remove_suffix(1);
   if (container.json.size() > kLargestJson) throw Error("the JSON is larger than 512 MiB", file_);
   try {
-    json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(container.json));
+    DuplicateKeys duplicates(file_, diagnostics);
+    json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(container.json, std::ref(duplicates)));
   } catch (const nlohmann::json::exception& exception) {
     throw Error(json_message(exception.what()), file_);
   }
@@ -228,6 +294,40 @@ GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string file, D
 GltfDocument::~GltfDocument() = default;
 
 JsonView GltfDocument::root() const { return JsonView(*json_, file_); }
+
+std::vector<fs::path> UriReader::files(const std::string& uri) const {
+  if (base_folder_.empty() || uri.empty() || uri.find('\0') != std::string::npos || has_scheme(uri)) return {};
+  const std::string decoded = percent_decoded(uri);
+  if (decoded.find('\0') != std::string::npos || fs::path(decoded).is_absolute()) return {};
+  if (decoded == uri) return {base_folder_ / uri};
+  return {base_folder_ / decoded, base_folder_ / uri};
+}
+
+std::map<std::string, std::set<std::string>> GltfDocument::extension_places() const {
+  std::map<std::string, std::set<std::string>> places;
+  if (!json_->is_object()) return places;
+  const auto add = [&](const nlohmann::json& owner, const std::string& place) {
+    const auto extensions = owner.find("extensions");
+    if (extensions == owner.end() || !extensions->is_object()) return;
+    for (const auto& extension : extensions->items()) places[extension.key()].insert(place);
+  };
+  add(*json_, "extensions");
+  for (const auto& member : json_->items()) {
+    if (member.key() == "extras") continue;
+    // No recursion: a file may be as deep as it likes.
+    std::vector<const nlohmann::json*> stack{&member.value()};
+    while (!stack.empty()) {
+      const nlohmann::json& value = *stack.back();
+      stack.pop_back();
+      if (value.is_object()) add(value, member.key());
+      if (!value.is_structured()) continue;
+      for (const nlohmann::json& element : value) {
+        if (element.is_structured()) stack.push_back(&element);
+      }
+    }
+  }
+  return places;
+}
 
 std::vector<std::byte> UriReader::read(const JsonView& uri) const {
   const std::string& text = uri.string();
@@ -249,8 +349,18 @@ std::vector<std::byte> UriReader::read(const JsonView& uri) const {
 }
 
 GltfBuffers::GltfBuffers(const GltfDocument& document, const UriReader& uris)
-    : root_(document.root()), binary_chunk_(document.binary_chunk()), uris_(uris) {
+    : root_(document.root()), binary_chunk_(document.binary_chunk()), is_glb_(document.is_glb()), uris_(uris) {
   loaded_.resize(count_of(root_, "buffers"));
+}
+
+std::optional<JsonView> GltfBuffers::find_undefined(const JsonView& reference) const {
+  const JsonView view = root_.at("bufferViews")[reference.index(count_of(root_, "bufferViews"), "buffer view")];
+  if (meshopt_of(view)) return std::nullopt;
+  const std::size_t index = view.at("buffer").index(loaded_.size(), "buffer");
+  const JsonView json = root_.at("buffers")[index];
+  // A GLB whose first buffer has no uri has lost its binary chunk.
+  if (json.find("uri") || (index == 0 && is_glb_)) return std::nullopt;
+  return json;
 }
 
 std::span<const std::byte> GltfBuffers::buffer(std::size_t index) {
@@ -320,8 +430,7 @@ std::span<const std::byte> GltfBuffers::unpacked(std::size_t view, const JsonVie
 BufferView GltfBuffers::view(const JsonView& reference) {
   const std::size_t index = reference.index(count_of(root_, "bufferViews"), "buffer view");
   const JsonView json = root_.at("bufferViews")[index];
-  auto meshopt = json.extension("KHR_meshopt_compression");
-  if (!meshopt) meshopt = json.extension("EXT_meshopt_compression");
+  const auto meshopt = meshopt_of(json);
   BufferView result;
   result.bytes = meshopt ? unpacked(index, *meshopt, json.at("byteLength").whole()) : slice(json);
   if (const auto stride = json.find("byteStride")) {

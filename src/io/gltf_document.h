@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,19 +20,25 @@ namespace candela::io {
 class GltfDocument {
  public:
   /// Throws Error for anything that is no glTF 2.0 container or no JSON (with line and column). `file` names it in
-  /// errors.
+  /// errors. Of a key that an object has twice the last counts, with a warning.
   GltfDocument(std::span<const std::byte> bytes, std::string file, Diagnostics& diagnostics);
   ~GltfDocument();
   GltfDocument(const GltfDocument&) = delete;
   GltfDocument& operator=(const GltfDocument&) = delete;
 
   JsonView root() const;
+  const nlohmann::json& json() const { return *json_; }
   std::span<const std::byte> binary_chunk() const { return binary_chunk_; }
+  bool is_glb() const { return is_glb_; }
+
+  /// Below which members of the root each extension stands ("materials", "asset"…); "extensions" is the root's own.
+  std::map<std::string, std::set<std::string>> extension_places() const;
 
  private:
   std::string file_;
   std::unique_ptr<nlohmann::json> json_;
   std::span<const std::byte> binary_chunk_;
+  bool is_glb_ = false;
 };
 
 /// Bytes behind URIs: data URIs and files relative to the folder of the glTF.
@@ -38,6 +46,10 @@ class UriReader {
  public:
   /// An empty folder refuses every file.
   explicit UriReader(std::filesystem::path base_folder) : base_folder_(std::move(base_folder)) {}
+
+  /// The files that a URI may stand for: escapes decoded, and, where it has any, as it is written. None of data URIs,
+  /// absolute names and other schemes.
+  std::vector<std::filesystem::path> files(const std::string& uri) const;
 
   /// Thread-safe. Throws Error at `uri` for absolute paths, other schemes, broken data URIs and unreadable files.
   std::vector<std::byte> read(const JsonView& uri) const;
@@ -56,9 +68,13 @@ class GltfBuffers {
  public:
   GltfBuffers(const GltfDocument& document, const UriReader& uris);
 
-  /// The buffer view that the JSON number `reference` points at, checked to lie inside its buffer; unpacked where it has
-  /// KHR_meshopt_compression or EXT_meshopt_compression, whatever its fallback says.
+  /// The buffer view that the JSON number `reference` points at, checked to lie inside its buffer; unpacked where it
+  /// has KHR_meshopt_compression or EXT_meshopt_compression, whatever its fallback says.
   BufferView view(const JsonView& reference);
+
+  /// The buffer of a view, where it has no uri and is no GLB's binary chunk either: glTF 2.0 §5.10.1 leaves it to
+  /// others to say what it holds.
+  std::optional<JsonView> find_undefined(const JsonView& reference) const;
 
   /// The Draco mesh in the buffer view that `reference` points at.
   const DracoMesh& draco(const JsonView& reference);
@@ -76,6 +92,7 @@ class GltfBuffers {
 
   JsonView root_;
   std::span<const std::byte> binary_chunk_;
+  bool is_glb_;
   const UriReader& uris_;
   std::vector<std::vector<std::byte>> loaded_;
   std::map<std::size_t, std::vector<std::byte>> unpacked_;  ///< by buffer view

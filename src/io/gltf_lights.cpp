@@ -72,6 +72,7 @@ Light read_light(const JsonView& json, Warnings& warnings) {
 int LightReader::add_punctual(std::size_t file_index) {
   const JsonView json = root_.extension("KHR_lights_punctual")->at("lights")[file_index];
   Light light = read_light(json, warnings_);
+  light.file_index = static_cast<int>(file_index);
   if (const auto extras = json.extras("candela")) {
     const std::string title =
         light.name.empty() ? fmt::format("light {}: ", file_index) : fmt::format("light '{}': ", light.name);
@@ -149,6 +150,7 @@ int LightReader::add_ies(const IesUse& use) {
   Light light;
   light.ies = profile_of_file(use.profile);
   light.name = scene_.ies_profiles[static_cast<std::size_t>(light.ies)].name;
+  light.file_index = static_cast<int>(use.profile);
   light.intensity = use.multiplier;
   light.color = use.color;
   scene_.lights.push_back(std::move(light));

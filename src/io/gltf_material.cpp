@@ -12,9 +12,6 @@ namespace candela::io {
 
 namespace {
 
-// Eight bytes each at most: a hundred 4K textures fit, a folder of decompression bombs does not.
-constexpr std::uint64_t kMaxTexels = std::uint64_t{1} << 31;
-
 Wrap read_wrap(const JsonView& sampler, const char* key, Warnings& warnings) {
   const std::uint64_t value = sampler.whole_or(key, 10497);
   switch (value) {
@@ -46,17 +43,22 @@ Texture read_texture(const JsonView& root, const JsonView& json, Warnings& warni
   return texture;
 }
 
-ImageSource image_source(const JsonView& json, GltfBuffers& buffers) {
-  ImageSource source{json, json.where(), {}, std::nullopt};
+ImageSource image_source(const JsonView& json, std::size_t file_index, GltfBuffers& buffers) {
+  ImageSource source{json, json.where(), static_cast<int>(file_index), {}, std::nullopt, std::nullopt};
   const auto view = json.find("bufferView");
   const auto uri = json.find("uri");
-  if (view && uri) throw json.error("has both a uri and a bufferView");
-  if (!view && !uri) throw json.error("has neither a uri nor a bufferView");
+  if (view && uri) source.failure = json.error("the image has both a uri and a bufferView");
+  if (!view && !uri) source.failure = json.error("the image has neither a uri nor a bufferView");
+  if (source.failure) return source;
   std::string name = json.string_or("name");
   if (uri && !uri->string().starts_with("data:")) name = uri->string();
   if (!name.empty()) source.label += fmt::format(" ({})", name);
-  if (view) source.bytes = buffers.view(*view).bytes;
-  if (uri) source.uri = uri;
+  source.uri = uri;
+  try {
+    if (view) source.bytes = buffers.view(*view).bytes;
+  } catch (const Error& error) {
+    source.failure = Error(error.message(), source.label);
+  }
   return source;
 }
 
@@ -72,11 +74,13 @@ void gather_textures(const JsonView& root, GltfBuffers& buffers, Warnings& warni
   for (auto& [file_index, index] : texture_of_file) {
     index = static_cast<int>(set.textures.size());
     set.textures.push_back(read_texture(root, root.at("textures")[static_cast<std::size_t>(file_index)], warnings));
+    set.textures.back().file_index = file_index;
     image_of_file.emplace(set.textures.back().image, 0);
   }
   for (auto& [file_index, index] : image_of_file) {
     index = static_cast<int>(set.images.size());
-    set.images.push_back(image_source(root.at("images")[static_cast<std::size_t>(file_index)], buffers));
+    const auto number = static_cast<std::size_t>(file_index);
+    set.images.push_back(image_source(root.at("images")[number], number, buffers));
   }
   for (Texture& texture : set.textures) texture.image = image_of_file.at(texture.image);
   for (Material& material : set.materials) {
@@ -105,10 +109,12 @@ MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, 
     set.material_of_file[i] = static_cast<int>(set.materials.size());
     const JsonView json = root.at("materials")[i];
     set.materials.push_back(read_material(root, json, i, warnings));
+    set.materials.back().file_index = static_cast<int>(i);
   }
   if (want_default || set.materials.empty()) {
     set.default_material = static_cast<int>(set.materials.size());
     set.materials.emplace_back();
+    set.materials.back().file_index = static_cast<int>(used.size());
   }
   gather_textures(root, buffers, warnings, set);
   return set;
@@ -116,6 +122,7 @@ MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, 
 
 std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const UriReader& uris, bool decode,
                                                std::atomic<std::uint64_t>& texels) {
+  if (source.failure) throw Error(*source.failure);
   std::vector<std::byte> storage;
   if (source.uri) storage = uris.read(*source.uri);
   const std::span<const std::byte> bytes = source.uri ? std::span<const std::byte>(storage) : source.bytes;
@@ -123,14 +130,28 @@ std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const 
     throw Error(fmt::format("{} images are not supported", format), source.label);
   const ivec2 size = read_image_size(bytes, source.label);
   const std::uint64_t count = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
-  if (texels.fetch_add(count) + count > kMaxTexels) {
-    throw Error(fmt::format("the textures have more than {} texels in total", kMaxTexels), source.json.where());
-  }
+  if (texels.fetch_add(count) + count > kMostTexels) return nullptr;
   if (decode) return std::make_shared<const TextureImage>(decode_texture(bytes, source.label));
   auto image = std::make_shared<TextureImage>();
   image->width = size.x;
   image->height = size.y;
   return image;
+}
+
+bool drop_image(int image, std::span<const Texture> textures, std::span<Material> materials) {
+  bool is_dark = false;
+  for (Material& material : materials) {
+    for (TextureSlot* slot : texture_slots(material)) {
+      if (!*slot || textures[static_cast<std::size_t>(slot->texture)].image != image) continue;
+      if (slot == &material.emissive_texture) {
+        is_dark |= material.emission != vec3(0.0f);
+        material.emission = vec3(0.0f);
+      }
+      if (slot == &material.height_texture) material.height_scale = 0.0f;
+      *slot = {};
+    }
+  }
+  return is_dark;
 }
 
 }  // namespace candela::io

@@ -17,8 +17,10 @@ namespace candela::io {
 struct ImageSource {
   JsonView json;
   std::string label;  ///< file, pointer and name for errors
+  int file_index = -1;
   std::span<const std::byte> bytes;
   std::optional<JsonView> uri;
+  std::optional<Error> failure;  ///< why neither can be had
 };
 
 /// The materials that a scene uses and what they need, renumbered without gaps in the file's order.
@@ -34,9 +36,17 @@ struct MaterialSet {
 MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, bool want_default, GltfBuffers& buffers,
                            Warnings& warnings);
 
-/// Decodes one image, or only measures it. `texels` counts all images together: a limit on their sum is an Error.
-/// Thread-safe.
+/// Of all images of a file together, eight bytes each at most: a hundred 4K textures fit, a folder of decompression
+/// bombs does not.
+inline constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 31;
+
+/// Decodes one image, or only measures it. `texels` counts all images together; beyond kMostTexels none is decoded, the
+/// result is null, and the caller refuses the file. Throws Error for what cannot be read. Thread-safe.
 std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const UriReader& uris, bool decode,
                                                std::atomic<std::uint64_t>& texels);
+
+/// Empties the slots that would read an image of the scene, and darkens what an emissive texture of it should make
+/// glow; whether there was any.
+bool drop_image(int image, std::span<const Texture> textures, std::span<Material> materials);
 
 }  // namespace candela::io

@@ -37,6 +37,8 @@ class MaterialReader {
 
  private:
   void warn(const std::string& message, const JsonView& place) { warnings_.warn(label_ + ": " + message, place); }
+  /// Of what changes no pixel.
+  void note(const std::string& message, const JsonView& place) { warnings_.note(label_ + ": " + message, place); }
   float clamped(const JsonView& json, const char* key, float value, float lower, float upper);
   float factor(const JsonView& json, const char* key, float fallback, float lower = 0.0f, float upper = 1.0f);
   template <class V>
@@ -50,6 +52,7 @@ class MaterialReader {
 
   void read_metallic_roughness(const JsonView& json);
   void read_specular_glossiness(const JsonView& json);
+  vec3 read_emission();
   void read_surface();
   void read_specular();
   void read_clearcoat();
@@ -134,7 +137,13 @@ void MaterialReader::ignore_texture(const JsonView& owner, const char* key) {
 std::optional<JsonView> MaterialReader::layer(const char* name) {
   auto extension = json_.extension(name);
   if (!extension || winner_ == nullptr) return extension;
-  warn(fmt::format("{} is ignored beside {}", name, winner_), *extension);
+  const std::string message = fmt::format("{} is ignored beside {}", name, winner_);
+  // What unlit surfaces are for others, as its extension asks for, is no loss.
+  if (material_.unlit) {
+    note(message, *extension);
+  } else {
+    warn(message, *extension);
+  }
   return std::nullopt;
 }
 
@@ -161,6 +170,20 @@ void MaterialReader::read_specular_glossiness(const JsonView& json) {
   material_.specular_glossiness_texture = slot(json, "specularGlossinessTexture");
 }
 
+/// Above 1 is what converters make of OBJ's Ke: not allowed, and plain what is meant.
+vec3 MaterialReader::read_emission() {
+  const vec3 given = json_.vector_or("emissiveFactor", vec3(0));
+  const vec3 result = glm::max(given, vec3(0));
+  if (result != given) warn("emissiveFactor has a negative channel, which becomes 0", json_);
+  if (max_component(result) > 1.0f) {
+    warn(fmt::format("emissiveFactor {:g} {:g} {:g} is above 1; kept, as KHR_materials_emissive_strength would say it",
+                     result.x, result.y, result.z),
+         json_);
+  }
+  // A texture that cannot be read would say what glows: without it a factor makes a lamp of everything.
+  return json_.find("emissiveTexture") && !material_.emissive_texture ? vec3(0) : result;
+}
+
 /// What the core of glTF says beside metallic-roughness.
 void MaterialReader::read_surface() {
   if (const auto normal = json_.find("normalTexture")) {
@@ -172,7 +195,7 @@ void MaterialReader::read_surface() {
     material_.occlusion_strength = factor(*occlusion, "strength", 1.0f);
   }
   material_.emissive_texture = slot(json_, "emissiveTexture");
-  material_.emission = factors(json_, "emissiveFactor", vec3(0));
+  material_.emission = read_emission();
   if (const auto strength = json_.extension("KHR_materials_emissive_strength")) {
     material_.emission *= factor(*strength, "emissiveStrength", 1.0f, 0.0f, kInfinity);
     if (!is_finite(material_.emission)) throw strength->error("the emission is not finite");
@@ -269,7 +292,7 @@ void MaterialReader::read_volume() {
   if (const auto dispersion = layer("KHR_materials_dispersion")) {
     material_.dispersion = factor(*dispersion, "dispersion", 0.0f, 0.0f, kLargestDispersion);
     if (material_.dispersion > 0.0f && !(volume && json_.extension("KHR_materials_transmission"))) {
-      warn("KHR_materials_dispersion has no effect without KHR_materials_transmission and KHR_materials_volume",
+      note("KHR_materials_dispersion has no effect without KHR_materials_transmission and KHR_materials_volume",
            *dispersion);
       material_.dispersion = 0.0f;
     }
@@ -281,7 +304,7 @@ void MaterialReader::read_volume() {
 void MaterialReader::read_scattering() {
   if (const auto scatter = layer("KHR_materials_volume_scatter")) {
     if (!json_.extension("KHR_materials_volume")) {
-      warn("KHR_materials_volume_scatter has no effect without KHR_materials_volume", *scatter);
+      note("KHR_materials_volume_scatter has no effect without KHR_materials_volume", *scatter);
       return;
     }
     material_.multiscatter_color = factors(*scatter, "multiscatterColor", vec3(0));

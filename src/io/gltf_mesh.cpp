@@ -283,9 +283,10 @@ std::uint64_t mode_of_primitive(const JsonView& primitive) {
   return mode == 5 && primitive.extension("KHR_draco_mesh_compression") ? 4 : mode;
 }
 
-Mesh MeshReader::read(const JsonView& json, const MeshPose& pose) {
+Mesh MeshReader::read(const JsonView& json, int file_index, const MeshPose& pose) {
   Mesh mesh;
   mesh.name = json.string_or("name");
+  mesh.file_index = file_index;
   const JsonView primitives = json.at("primitives");
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     if (auto primitive = read_primitive(primitives[i], pose)) mesh.primitives.push_back(*std::move(primitive));

@@ -32,8 +32,8 @@ struct Variant {
 std::optional<std::size_t> material_of_primitive(const JsonView& primitive, std::size_t material_count,
                                                  const std::optional<Variant>& variant);
 
-/// How a primitive's indices become triangles, glTF 2.0 §3.7.2.1 (4 a list, 5 a strip, 6 a fan). What Draco data holds is
-/// a list, also of a primitive that was a strip before it was compressed.
+/// How a primitive's indices become triangles, glTF 2.0 §3.7.2.1 (4 a list, 5 a strip, 6 a fan). What Draco data holds
+/// is a list, also of a primitive that was a strip before it was compressed.
 std::uint64_t mode_of_primitive(const JsonView& primitive);
 
 /// Turns primitives into triangles as the scene promises them.
@@ -49,7 +49,7 @@ class MeshReader {
         default_material_(default_material),
         variant_(variant) {}
 
-  Mesh read(const JsonView& json, const MeshPose& pose);
+  Mesh read(const JsonView& json, int file_index, const MeshPose& pose);
 
   /// Says once how many primitives were points or lines.
   void report_ignored(const JsonView& root);

@@ -191,21 +191,43 @@ FileScene read_nodes(const JsonView& root, Warnings& warnings,
   return scene;
 }
 
-std::vector<mat4> read_instances(const JsonView& extension, AccessorReader& reader) {
+namespace {
+
+std::vector<vec4> read_colors(const Accessor& accessor, const JsonView& attributes, AccessorReader& reader,
+                              Warnings& warnings) {
+  std::vector<vec4> colors;
+  if (accessor.components == 4) {
+    colors = reader.read_as<vec4>(accessor);
+  } else {
+    for (const vec3 c : reader.read_as<vec3>(accessor)) colors.emplace_back(c, 1.0f);
+  }
+  bool is_out_of_range = false;
+  for (vec4& c : colors) {
+    const vec4 clamped = glm::clamp(c, vec4(0), vec4(1));
+    is_out_of_range |= clamped != c;
+    c = clamped;
+  }
+  if (is_out_of_range) warnings.warn("colours of instances outside 0 to 1 are clamped", attributes.at("_COLOR_0"));
+  return colors;
+}
+
+}  // namespace
+
+Instances read_instances(const JsonView& extension, AccessorReader& reader, Warnings& warnings) {
   const JsonView attributes = extension.at("attributes");
   std::optional<std::size_t> count;
-  const auto open = [&](const char* name, const char* type) -> std::optional<Accessor> {
+  const auto open = [&](const char* name, std::initializer_list<const char*> types) -> std::optional<Accessor> {
     const auto reference = attributes.find(name);
     if (!reference) return std::nullopt;
-    Accessor accessor = reader.open(*reference, {type});
+    Accessor accessor = reader.open(*reference, types);
     if (count.value_or(accessor.count) != accessor.count) {
       throw reference->error(fmt::format("has {} elements, but others have {}", accessor.count, *count));
     }
     count = accessor.count;
     return accessor;
   };
-  const auto translations = open("TRANSLATION", "VEC3"), rotations = open("ROTATION", "VEC4"),
-             scales = open("SCALE", "VEC3");
+  const auto translations = open("TRANSLATION", {"VEC3"}), rotations = open("ROTATION", {"VEC4"}),
+             scales = open("SCALE", {"VEC3"});
   if (!count) throw attributes.error("none of TRANSLATION, ROTATION and SCALE is there");
   // Beside the matrix the node of the scene.
   reader.charge(std::uint64_t{*count} * 4 * sizeof(mat4), extension);
@@ -214,11 +236,15 @@ std::vector<mat4> read_instances(const JsonView& extension, AccessorReader& read
   if (translations) t = reader.read_as<vec3>(*translations);
   if (rotations) r = reader.read_as<vec4>(*rotations);
   if (scales) s = reader.read_as<vec3>(*scales);
-  std::vector<mat4> result(*count);
+  Instances result;
+  if (const auto colors = open("_COLOR_0", {"VEC3", "VEC4"})) {
+    result.colors = read_colors(*colors, attributes, reader, warnings);
+  }
+  result.node_from_instance.resize(*count);
   for (std::size_t i = 0; i < *count; ++i) {
     const float length = glm::length(r[i]);
     const vec4 q = length > 0 ? r[i] / length : vec4(0, 0, 0, 1);
-    result[i] = compose(t[i], quat(q.w, q.x, q.y, q.z), s[i]);
+    result.node_from_instance[i] = compose(t[i], quat(q.w, q.x, q.y, q.z), s[i]);
   }
   return result;
 }

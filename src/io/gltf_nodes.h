@@ -47,7 +47,12 @@ struct FileScene {
 FileScene read_nodes(const JsonView& root, Warnings& warnings,
                      const std::function<void(std::vector<FileNode>&)>& pose = {});
 
-/// EXT_mesh_gpu_instancing of a node: node from mesh, one for each instance.
-std::vector<mat4> read_instances(const JsonView& extension, AccessorReader& reader);
+struct Instances {
+  std::vector<mat4> node_from_instance;
+  std::vector<vec4> colors;  ///< _COLOR_0, which three.js and Babylon.js write and read; as many, or none
+};
+
+/// EXT_mesh_gpu_instancing of a node.
+Instances read_instances(const JsonView& extension, AccessorReader& reader, Warnings& warnings);
 
 }  // namespace candela::io

@@ -1,5 +1,7 @@
 #include "io/gltf_survey.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -77,7 +79,7 @@ class Surveyor {
         uris_(uris),
         warnings_(warnings),
         buffers_(document, uris),
-        reader_(root_, buffers_, file_bytes) {}
+        reader_(root_, buffers_, file_bytes, warnings) {}
 
   FileSurvey survey(const SurveyOptions& options);
 
@@ -137,7 +139,9 @@ FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
   FileSurvey::Image image;
   image.name = source.json.string_or("name");
   if (image.name.empty() && source.uri && !source.uri->string().starts_with("data:")) image.name = source.uri->string();
+  image.file_index = source.file_index;
   try {
+    if (source.failure) throw Error(*source.failure);
     std::vector<std::byte> storage;
     if (source.uri) storage = uris_.read(*source.uri);
     const std::span<const std::byte> bytes = source.uri ? std::span<const std::byte>(storage) : source.bytes;
@@ -145,7 +149,11 @@ FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
     const ImageFormat format = sniff_image_format(bytes);
     image.format = format_name(format);
     if (format == ImageFormat::png) read_png_header(bytes, image);
-    load_image({source.json, source.label, bytes, std::nullopt}, uris_, decode, texels);
+    const auto read = load_image({source.json, source.label, source.file_index, bytes, std::nullopt, std::nullopt},
+                                 uris_, decode, texels);
+    if (read == nullptr) {
+      throw Error(fmt::format("the textures have more than {} texels in total", kMostTexels), source.label);
+    }
   } catch (const Error& error) {
     image.error = error.what();
   }

@@ -8,13 +8,17 @@
 
 namespace candela::io {
 
-/// Warnings of one load: the same message is given once, at the first place that caused it.
+/// Warnings and notes of one load: the same message is given once, at the first place that caused it.
 class Warnings {
  public:
   explicit Warnings(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  void warn(const std::string& message, const JsonView& place) {
-    if (given_.insert(message).second) diagnostics_.warn(message, place.where());
+  void warn(const std::string& message, const JsonView& place) { warn(message, place.where()); }
+  void warn(const std::string& message, const std::string& where) {
+    if (given_.insert(message).second) diagnostics_.warn(message, where);
+  }
+  void note(const std::string& message, const JsonView& place) {
+    if (given_.insert(message).second) diagnostics_.note(message, place.where());
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -144,12 +145,13 @@ double positive(Reader& reader, const char* what) {
   return value;
 }
 
-std::vector<float> read_angles(Reader& reader, const char* what, std::size_t count, double highest) {
+std::vector<float> read_angles(Reader& reader, const char* what, std::size_t count, double lowest, double highest) {
   std::vector<float> angles(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double angle = reader.number(what, i, count);
-    if (!(angle >= 0.0 && angle <= highest)) {
-      reader.fail(fmt::format("{} {} of {} is {:g}; must lie within 0 to {:g}", what, i + 1, count, angle, highest));
+    if (!(angle >= lowest && angle <= highest)) {
+      reader.fail(
+          fmt::format("{} {} of {} is {:g}; must lie within {:g} to {:g}", what, i + 1, count, angle, lowest, highest));
     }
     angles[i] = static_cast<float>(angle);
     if (i > 0 && !(angles[i] >= angles[i - 1] + kLeastStep)) {
@@ -235,6 +237,99 @@ void unfold(Rows& rows, const Reader& reader, const std::string& where, Diagnost
   if (last != 360.0f) mirror_at(rows, 180.0f);
 }
 
+/// The numbers after the counts, as the file has them.
+struct Table {
+  std::vector<float> vertical;
+  Rows rows;  ///< one for each horizontal angle
+};
+
+/// `Rows` about the other of its two angles.
+Rows transposed(const Table& table) {
+  Rows result;
+  result.length = table.rows.angles.size();
+  result.angles = table.vertical;
+  result.values.reserve(table.rows.values.size());
+  for (std::size_t k = 0; k < table.vertical.size(); ++k) {
+    for (std::size_t i = 0; i < result.length; ++i) result.values.push_back(table.rows.row(i)[k]);
+  }
+  return result;
+}
+
+/// Rows whose angles begin at 0, with their mirror images before them.
+Rows mirrored_at_0(const Rows& rows) {
+  if (rows.angles.front() != 0.0f) return rows;
+  Rows whole;
+  whole.length = rows.length;
+  for (std::size_t i = rows.angles.size(); i-- > 1;) whole.add(-rows.angles[i], rows, i);
+  for (std::size_t i = 0; i < rows.angles.size(); ++i) whole.add(rows.angles[i], rows, i);
+  return whole;
+}
+
+/// Rows around a circle, from -180 to 180 at most, as 0 to 360: dark where there are none.
+Rows around_circle(const Rows& rows) {
+  std::vector<std::pair<float, std::vector<float>>> all;
+  const auto copy = [&](std::size_t i) { return std::vector<float>(rows.row(i), rows.row(i) + rows.length); };
+  const auto turned = [](float angle) { return angle < 0.0f ? angle + 360.0f : angle; };
+  const float first = rows.angles.front(), last = rows.angles.back();
+  const bool is_closed = last - first >= 360.0f - 2.0f * kLeastStep;
+  for (std::size_t i = is_closed ? 1 : 0; i < rows.angles.size(); ++i)
+    all.emplace_back(turned(rows.angles[i]), copy(i));
+  if (!is_closed) {
+    const std::vector<float> dark(rows.length, 0.0f);
+    all.emplace_back(turned(last + kLeastStep), dark);
+    all.emplace_back(turned(first - kLeastStep), dark);
+  }
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  // Where the circle begins, between its last row and its first where neither is there.
+  if (all.front().first != 0.0f) {
+    const auto& [before, low] = all.back();
+    const auto& [after, high] = all.front();
+    const float t = (360.0f - before) / (360.0f - before + after);
+    std::vector<float> middle(rows.length);
+    for (std::size_t k = 0; k < rows.length; ++k) middle[k] = low[k] + (high[k] - low[k]) * t;
+    all.emplace(all.begin(), 0.0f, std::move(middle));
+  }
+  all.emplace_back(360.0f, all.front().second);
+  Rows circle;
+  circle.length = rows.length;
+  for (const auto& [angle, values] : all) {
+    circle.angles.push_back(angle);
+    circle.values.insert(circle.values.end(), values.begin(), values.end());
+  }
+  return circle;
+}
+
+mat3 rows_of(vec3 x, vec3 y, vec3 z) { return glm::transpose(mat3(x, y, z)); }
+
+/// Types A and B: the web of type C about another axis. Latitudes become angles from its pole.
+void lay_on_side(bool is_type_b, const Table& table, IesProfile& profile) {
+  Table whole = table;
+  whole.rows = mirrored_at_0(table.rows);
+  Table other{whole.rows.angles, mirrored_at_0(transposed(whole))};
+  whole = {other.rows.angles, transposed(other)};
+
+  Rows turned;
+  std::vector<float> latitudes;
+  if (is_type_b) {
+    // About y: the vertical angle turns from -z to +x, the latitude rises towards -y.
+    turned = other.rows;
+    latitudes = whole.rows.angles;
+    profile.web_from_light = rows_of({0, 0, -1}, {1, 0, 0}, {0, -1, 0});
+  } else {
+    // About x: the horizontal angle turns from -z to -y, which is against the web's, the latitude rises towards +x.
+    turned.length = whole.rows.length;
+    for (std::size_t i = whole.rows.angles.size(); i-- > 0;) turned.add(-whole.rows.angles[i], whole.rows, i);
+    latitudes = whole.vertical;
+    profile.web_from_light = rows_of({0, 0, -1}, {0, 1, 0}, {1, 0, 0});
+  }
+  Rows circle = around_circle(turned);
+  profile.horizontal_deg = std::move(circle.angles);
+  profile.candela = std::move(circle.values);
+  for (const float latitude : latitudes) profile.vertical_deg.push_back(latitude + 90.0f);
+}
+
+enum class PhotometricType { c = 1, b = 2, a = 3 };
+
 }  // namespace
 
 IesProfile parse_ies(std::string_view text, const std::string& where, Diagnostics& diagnostics) {
@@ -255,12 +350,11 @@ IesProfile parse_ies(std::string_view text, const std::string& where, Diagnostic
   if (vertical_count > reader.capacity() / horizontal_count) {
     reader.fail(fmt::format("the file is too short for {} × {} candela values", vertical_count, horizontal_count));
   }
-  const std::size_t type = reader.whole("photometric type", 3);
-  if (type != 1) {
-    reader.fail(type == 2   ? "the photometric type is B; only C is supported"
-                : type == 3 ? "the photometric type is A; only C is supported"
-                            : "the photometric type must be 1 (C), 2 (B) or 3 (A)");
-  }
+  const std::size_t type_number = reader.whole("photometric type", 3);
+  if (type_number == 0) reader.fail("the photometric type must be 1 (C), 2 (B) or 3 (A)");
+  const auto type = static_cast<PhotometricType>(type_number);
+  const bool is_type_c = type == PhotometricType::c;
+  if (!is_type_c && horizontal_count < 2) reader.fail("types A and B need at least 2 horizontal angles");
   for (const char* what : {"units type", "width", "length", "height"}) reader.number(what);
   const double ballast_factor = positive(reader, "ballast factor");
   const double lamp_factor = header.has_lamp_factor ? positive(reader, "ballast-lamp photometric factor")
@@ -268,11 +362,17 @@ IesProfile parse_ies(std::string_view text, const std::string& where, Diagnostic
   reader.number("input watts");
 
   // ----- the table
-  IesProfile profile;
-  profile.vertical_deg = read_angles(reader, "vertical angle", vertical_count, 180.0);
-  Rows rows;
+  // What turns about the pole of its web may go all around, latitudes go from pole to pole.
+  const double vertical_reach = type == PhotometricType::b ? 180.0 : 90.0;
+  const double horizontal_reach = type == PhotometricType::a ? 180.0 : 90.0;
+  Table table;
+  table.vertical = is_type_c ? read_angles(reader, "vertical angle", vertical_count, 0.0, 180.0)
+                             : read_angles(reader, "vertical angle", vertical_count, -vertical_reach, vertical_reach);
+  Rows& rows = table.rows;
   rows.length = vertical_count;
-  rows.angles = read_angles(reader, "horizontal angle", horizontal_count, 360.0);
+  rows.angles = is_type_c
+                    ? read_angles(reader, "horizontal angle", horizontal_count, 0.0, 360.0)
+                    : read_angles(reader, "horizontal angle", horizontal_count, -horizontal_reach, horizontal_reach);
   const double factor = multiplier * ballast_factor * lamp_factor;
   const std::size_t count = vertical_count * horizontal_count;
   rows.values.reserve(count);
@@ -284,10 +384,16 @@ IesProfile parse_ies(std::string_view text, const std::string& where, Diagnostic
     }
     rows.values.push_back(static_cast<float>(candela));
   }
-  unfold(rows, reader, where, diagnostics);
+  IesProfile profile;
+  if (is_type_c) {
+    unfold(rows, reader, where, diagnostics);
+    profile.vertical_deg = std::move(table.vertical);
+    profile.horizontal_deg = std::move(rows.angles);
+    profile.candela = std::move(rows.values);
+  } else {
+    lay_on_side(type == PhotometricType::b, table, profile);
+  }
   if (reader.has_more()) diagnostics.warn("more follows after the last candela value and is left out", where);
-  profile.horizontal_deg = std::move(rows.angles);
-  profile.candela = std::move(rows.values);
   return profile;
 }
 

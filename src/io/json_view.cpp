@@ -11,7 +11,9 @@ namespace {
 
 constexpr double kLargestWhole = 9007199254740992.0;  // 2^53, beyond which a double skips integers
 
-std::string escaped(const std::string& token) {
+}  // namespace
+
+std::string escaped_token(const std::string& token) {
   std::string out;
   for (const char c : token) {
     if (c == '~') {
@@ -25,10 +27,8 @@ std::string escaped(const std::string& token) {
   return out;
 }
 
-}  // namespace
-
 JsonView JsonView::child(const nlohmann::json& value, const std::string& token) const {
-  return JsonView(value, *file_, pointer_ + '/' + escaped(token));
+  return JsonView(value, *file_, pointer_ + '/' + escaped_token(token));
 }
 
 void JsonView::expected(const char* what) const {

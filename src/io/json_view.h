@@ -71,6 +71,9 @@ class JsonView {
   std::string pointer_;
 };
 
+/// A member's name as a JSON pointer has it (RFC 6901 §3).
+std::string escaped_token(const std::string& name);
+
 /// Number of elements of the array `key` of the document's root, 0 when absent.
 std::size_t count_of(const JsonView& root, const char* key);
 

@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "io/meshopt_filters.h"
 
-// Written from KHR_meshopt_compression, appendix A. Sixteen elements are decoded at a time in vectors that both compilers
-// translate to the processor's own.
+// Written from KHR_meshopt_compression, appendix A. Sixteen elements are decoded at a time in vectors that both
+// compilers translate to the processor's own.
 
 namespace candela::io {
 
@@ -131,7 +131,8 @@ u8x16 unpack_group(Stream& in, unsigned bits) {
   return load<u8x16>(bytes.data());
 }
 
-/// The deltas of one byte of `count` elements; `lengths` by the two bits that a group's header has, 0 = none, 8 = whole.
+/// The deltas of one byte of `count` elements; `lengths` by the two bits that a group's header has, 0 = none, 8 =
+/// whole.
 void unpack_bytes(Stream& in, std::size_t count, const std::array<unsigned, 4>& lengths, std::uint8_t* out) {
   const std::size_t groups = (count + kGroup - 1) / kGroup;
   const std::uint8_t* header = in.take((groups + 3) / 4);
@@ -149,7 +150,8 @@ void unpack_bytes(Stream& in, std::size_t count, const std::array<unsigned, 4>& 
 
 u8x16 shifted_in(u8x16 v, int elements) {
   const u8x16 zero{};
-  if (elements == 1) return __builtin_shufflevector(zero, v, 0, 0, 0, 0, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27);
+  if (elements == 1)
+    return __builtin_shufflevector(zero, v, 0, 0, 0, 0, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27);
   return __builtin_shufflevector(zero, v, 0, 0, 0, 0, 0, 0, 0, 0, 16, 17, 18, 19, 20, 21, 22, 23);
 }
 
@@ -432,7 +434,8 @@ std::string_view meshopt_fault(const MeshoptLayout& l) {
   if (l.stride == 0 || l.stride % 4 != 0 || l.stride > kMostStride) {
     return "byteStride of attributes must be a multiple of 4 up to 256";
   }
-  if (l.filter == Filter::octahedral && l.stride != 4 && l.stride != 8) return "OCTAHEDRAL needs a byteStride of 4 or 8";
+  if (l.filter == Filter::octahedral && l.stride != 4 && l.stride != 8)
+    return "OCTAHEDRAL needs a byteStride of 4 or 8";
   if (l.filter == Filter::color && l.stride != 4 && l.stride != 8) return "COLOR needs a byteStride of 4 or 8";
   if (l.filter == Filter::quaternion && l.stride != 8) return "QUATERNION needs a byteStride of 8";
   return {};

@@ -5,15 +5,19 @@
 
 namespace candela::path {
 
-Accumulator::Accumulator(const Settings& settings) : width_(settings.width), height_(settings.height) {
+Accumulator::Accumulator(const Settings& settings, bool has_through)
+    : width_(settings.width), height_(settings.height) {
   const std::size_t n = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   pixels_.resize(n);
   if (settings.layers.contains(Layer::albedo)) albedo_.resize(n, vec3(0.0f));
   if (settings.layers.contains(Layer::normal)) normal_.resize(n, vec3(0.0f));
+  if (has_through) through_.resize(n);
 }
 
 std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
-  return sizeof(Pixel) + sizeof(vec3) * (settings.layers.count(Layer::albedo) + settings.layers.count(Layer::normal));
+  const bool may_have_through = settings.background == Background::transparent && !settings.environment_in_glass;
+  return sizeof(Pixel) + (may_have_through ? sizeof(Through) + 4 * sizeof(float) : 0) +
+         sizeof(vec3) * (settings.layers.count(Layer::albedo) + settings.layers.count(Layer::normal));
 }
 
 bool Accumulator::add(int x, int y, const PathSample& sample) {
@@ -29,25 +33,46 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
   ++p.count;
   if (!albedo_.empty()) albedo_[i] += sample.albedo;
   if (!normal_.empty()) normal_[i] += sample.normal;
+  if (!through_.empty()) {
+    Through& t = through_[i];
+    const dvec3 through(sample.through);
+    t.sum += through;
+    t.luminance2 += luminance(through) * luminance(through);
+  }
   return true;
 }
 
-float Accumulator::relative_error(int x, int y, float reference) const {
+float Accumulator::relative_error(int x, int y, Reference reference) const {
   const Pixel& p = pixel(x, y);
   if (p.count < 2) return kInfinity;
   const double n = p.count;
-  const double mean = (0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b) / n;
-  const double variance = std::max(p.luminance2 / n - mean * mean, 0.0) / (n - 1.0);
-  const double scale = std::max(mean, 0.05 * static_cast<double>(reference));
+  const auto variance_of_mean = [n](double mean, double sum2) {
+    return std::max(sum2 / n - mean * mean, 0.0) / (n - 1.0);
+  };
+  double mean = (0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b) / n;
+  double variance = variance_of_mean(mean, p.luminance2);
+  if (!through_.empty()) {
+    // Mostly a sample has either light or background; which, is part of the noise.
+    const Through& t = through_[index(x, y)];
+    const double mean_through = luminance(t.sum) / n;
+    const auto background = static_cast<double>(reference.background);
+    variance += background * background * variance_of_mean(mean_through, t.luminance2);
+    mean += background * mean_through;
+  }
+  const double scale = std::max(mean, 0.05 * static_cast<double>(reference.luminance));
   return scale > 0.0 ? static_cast<float>(std::sqrt(variance) / scale) : 0.0f;
 }
 
-float Accumulator::mean_luminance() const {
-  double sum = 0.0;
-  for (const Pixel& p : pixels_) {
-    if (p.count > 0) sum += (0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b) / p.count;
+Accumulator::Reference Accumulator::reference() const {
+  double sum = 0.0, kept = 0.0;
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const Pixel& p = pixels_[i];
+    if (p.count == 0) continue;
+    sum += (0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b) / p.count;
+    if (!through_.empty()) kept += 1.0 - luminance(through_[i].sum) / p.count;
   }
-  return static_cast<float>(sum / static_cast<double>(pixels_.size()));
+  return {static_cast<float>(sum / static_cast<double>(pixels_.size())),
+          kept > 0.0 ? static_cast<float>(sum / kept) : 0.0f};
 }
 
 void Accumulator::resolve(Film& film) const {
@@ -61,6 +86,16 @@ void Accumulator::resolve(Film& film) const {
     out[1] = static_cast<float>(p.g * scale);
     out[2] = static_cast<float>(p.b * scale);
     out[3] = static_cast<float>(static_cast<double>(p.alpha) * scale);
+  }
+  if (!through_.empty()) {
+    Image through(width_, height_, 4);
+    for (std::size_t i = 0; i < through_.size(); ++i) {
+      if (pixels_[i].count == 0) continue;
+      float* out = through.pixels.data() + 4 * i;
+      for (int c = 0; c < 3; ++c) out[c] = static_cast<float>(through_[i].sum[c] / pixels_[i].count);
+      out[3] = film.beauty.pixels[4 * i + 3];
+    }
+    set_through(std::move(through), film);
   }
   const auto resolve_layer = [&](Layer layer, const std::vector<vec3>& sums, bool unit) {
     if (sums.empty()) return;

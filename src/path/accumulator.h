@@ -11,7 +11,8 @@ namespace candela::path {
 /// do not depend on how many threads there are.
 class Accumulator {
  public:
-  explicit Accumulator(const Settings& settings);
+  /// `has_through`: samples tell what background they let through.
+  Accumulator(const Settings& settings, bool has_through);
 
   static std::uint64_t bytes_per_pixel(const Settings& settings);
 
@@ -21,10 +22,14 @@ class Accumulator {
   std::uint32_t count(int x, int y) const { return pixel(x, y).count; }
 
   /// Estimated standard error of the pixel's mean luminance, relative to that mean or, where it is darker, to a
-  /// twentieth of `reference` (the picture's mean luminance). Independent samples are assumed: Sobol' points do better
-  /// than it says.
-  float relative_error(int x, int y, float reference) const;
-  float mean_luminance() const;
+  /// twentieth of `reference.luminance`. A background that shows through counts as light of `reference.background`.
+  /// Independent samples are assumed: Sobol' points do better than it says.
+  struct Reference {
+    float luminance = 0.0f;   ///< the picture's mean
+    float background = 0.0f;  ///< the mean where there is anything; 0 where no background shows through glass
+  };
+  float relative_error(int x, int y, Reference reference) const;
+  Reference reference() const;
 
   /// Mean radiance and layers so far.
   void resolve(Film& film) const;
@@ -46,6 +51,11 @@ class Accumulator {
   std::vector<Pixel> pixels_;
   std::vector<vec3> albedo_;  ///< empty unless asked for
   std::vector<vec3> normal_;
+  struct Through {
+    dvec3 sum{0.0};
+    double luminance2 = 0.0;
+  };
+  std::vector<Through> through_;  ///< empty unless samples have it
 };
 
 }  // namespace candela::path

@@ -20,6 +20,16 @@ Camera::Camera(const View& view, int width, int height)
   }
 }
 
+Box3 Camera::origins() const {
+  const vec2 half = (is_orthographic_ ? half_extent_ : vec2(0.0f)) + lens_.radius;
+  Box3 box;
+  for (int corner = 0; corner < 4; ++corner) {
+    const vec2 sign((corner & 1) != 0 ? 1.0f : -1.0f, (corner & 2) != 0 ? 1.0f : -1.0f);
+    box.extend(eye_ + axes_.to_world(vec3(sign * half, 0.0f)));
+  }
+  return box;
+}
+
 Camera::Sample Camera::generate(vec2 film, vec2 u) const {
   const vec2 ndc(2.0f * film.x / film_size_.x - 1.0f, 1.0f - 2.0f * film.y / film_size_.y);
   const vec2 p = ndc * half_extent_;

@@ -13,6 +13,9 @@ class Camera {
 
   bool has_lens() const { return lens_.radius > 0.0f; }
 
+  /// Where rays start.
+  Box3 origins() const;
+
   struct Sample {
     Ray ray;
     float weight = 1.0f;  ///< vignetting

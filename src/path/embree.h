@@ -14,10 +14,16 @@ namespace candela::path {
 #if RTC_VERSION_MAJOR >= 4
 using RayContext = RTCRayQueryContext;
 inline void init_context(RayContext& context) { rtcInitRayQueryContext(&context); }
-inline void intersect_1(RTCScene scene, RayContext& context, RTCRayHit& ray) {
+/// Scenes whose queries may bring a filter of their own, for all geometries.
+constexpr RTCSceneFlags kFilterByQuery = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+inline void intersect_1(RTCScene scene, RayContext& context, RTCRayHit& ray, RTCFilterFunctionN filter = nullptr) {
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
   arguments.context = &context;
+  if (filter != nullptr) {
+    arguments.filter = filter;
+    arguments.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
+  }
   rtcIntersect1(scene, &ray, &arguments);
 }
 inline void intersect_16(const int* valid, RTCScene scene, RayContext& context, RTCRayHit16& rays) {
@@ -27,25 +33,32 @@ inline void intersect_16(const int* valid, RTCScene scene, RayContext& context, 
   arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   rtcIntersect16(valid, scene, &rays, &arguments);
 }
-inline void occluded_1(RTCScene scene, RayContext& context, RTCRay& ray) {
+inline void occluded_1(RTCScene scene, RayContext& context, RTCRay& ray, RTCFilterFunctionN filter = nullptr) {
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
   arguments.context = &context;
+  if (filter != nullptr) {
+    arguments.filter = filter;
+    arguments.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
+  }
   rtcOccluded1(scene, &ray, &arguments);
 }
 #else
 using RayContext = RTCIntersectContext;
 inline void init_context(RayContext& context) { rtcInitIntersectContext(&context); }
-inline void intersect_1(RTCScene scene, RayContext& context, RTCRayHit& ray) {
+constexpr RTCSceneFlags kFilterByQuery = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+inline void intersect_1(RTCScene scene, RayContext& context, RTCRayHit& ray, RTCFilterFunctionN filter = nullptr) {
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  context.filter = filter;
   rtcIntersect1(scene, &context, &ray);
 }
 inline void intersect_16(const int* valid, RTCScene scene, RayContext& context, RTCRayHit16& rays) {
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect16(valid, scene, &context, &rays);
 }
-inline void occluded_1(RTCScene scene, RayContext& context, RTCRay& ray) {
+inline void occluded_1(RTCScene scene, RayContext& context, RTCRay& ray, RTCFilterFunctionN filter = nullptr) {
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  context.filter = filter;
   rtcOccluded1(scene, &context, &ray);
 }
 #endif

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "math/hash.h"
+#include "path/bodies.h"
 #include "path/displacement.h"
 #include "path/embree.h"
 #include "path/surface_point.h"
@@ -16,13 +17,17 @@ namespace candela::path {
 
 namespace {
 
+constexpr float kOpacityOfLayers = 0.5f;  // from here on a surface counts as the first, as in other renderers' layers
+
 /// What the filter callbacks need to know of a ray beside Embree's own context, which must come first.
 struct QueryContext {
   RayContext base;
-  const std::uint32_t* seeds = nullptr;  ///< per ray id; null for shadow rays
-  const Geometry* geometry = nullptr;    ///< of a shadow ray, as the rest
+  const std::uint32_t* seeds = nullptr;  ///< per ray id; null for shadow rays and where opacity ½ decides
+  const Geometry* geometry = nullptr;    ///< of a single ray with a filter of its own, as the rest
   vec3 direction{0.0f};
-  vec3 transmittance{1.0f};  ///< so far
+  vec3 transmittance{1.0f};     ///< so far
+  std::span<const Hit> passed;  ///< what is not met again
+  std::vector<Hit>* boundaries = nullptr;
 };
 
 float hit_opacity(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
@@ -33,13 +38,31 @@ float hit_opacity(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
   return mesh.opacity(mesh.triangles[triangle], {1.0f - u - v, u, v});
 }
 
-/// Closest hit: a surface of opacity a is there with probability a.
+/// Whether the ray leaves a body. Embree has taken it to where the mesh is.
+bool leaves_body(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
+  const auto& mesh = *static_cast<const MeshData*>(arguments->geometryUserPtr);
+  if (!mesh.material->has_medium) return false;
+  const uvec3 t = mesh.triangles[RTCHitN_primID(arguments->hit, arguments->N, lane)];
+  const vec3 p = mesh.vertices[t.x].position;
+  const vec3 direction(RTCRayN_dir_x(arguments->ray, arguments->N, lane),
+                       RTCRayN_dir_y(arguments->ray, arguments->N, lane),
+                       RTCRayN_dir_z(arguments->ray, arguments->N, lane));
+  const float side = glm::dot(glm::cross(mesh.vertices[t.y].position - p, mesh.vertices[t.z].position - p), direction);
+  return mesh.is_mirrored ? side < 0.0f : side > 0.0f;
+}
+
+/// Closest hit: a surface of opacity a is there with probability a. The far side of a body always is: who has entered
+/// has to learn that he leaves (Walk::find_crossing decides there).
 void filter_closest(const RTCFilterFunctionNArguments* arguments) {
   const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] == 0) continue;
     const float opacity = hit_opacity(arguments, i);
-    if (opacity >= 1.0f) continue;
+    if (context.seeds == nullptr) {
+      if (opacity < kOpacityOfLayers) arguments->valid[i] = 0;
+      continue;
+    }
+    if (opacity >= 1.0f || leaves_body(arguments, i)) continue;
     const unsigned id = RTCRayN_id(arguments->ray, arguments->N, i);
     const unsigned geometry = RTCHitN_geomID(arguments->hit, arguments->N, i);
     const unsigned instance = RTCHitN_instID(arguments->hit, arguments->N, i, 0);
@@ -49,26 +72,68 @@ void filter_closest(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
+/// A hit of a single ray.
+Hit filtered_hit(const QueryContext& context, const RTCFilterFunctionNArguments* arguments) {
+  const unsigned n = arguments->N;
+  Hit hit = context.geometry->hit(RTCHitN_instID(arguments->hit, n, 0, 0), RTCHitN_geomID(arguments->hit, n, 0),
+                                  RTCHitN_primID(arguments->hit, n, 0), RTCHitN_u(arguments->hit, n, 0),
+                                  RTCHitN_v(arguments->hit, n, 0));
+  hit.t = RTCRayN_tfar(arguments->ray, n, 0);
+  return hit;
+}
+
 /// Any hit: multiply up what passes, go on until something is opaque.
 void filter_shadow(const RTCFilterFunctionNArguments* arguments) {
   auto& context = *reinterpret_cast<QueryContext*>(arguments->context);
-  const auto& mesh = *static_cast<const MeshData*>(arguments->geometryUserPtr);
-  for (unsigned i = 0; i < arguments->N; ++i) {
-    if (arguments->valid[i] == 0) continue;
-    const float opacity = hit_opacity(arguments, i);
-    vec3 passing(1.0f - opacity);
-    if (opacity > 0.0f && mesh.material->is_clear_sheet) {
-      const Hit hit = context.geometry->hit(
-          RTCHitN_instID(arguments->hit, arguments->N, i, 0), RTCHitN_geomID(arguments->hit, arguments->N, i),
-          RTCHitN_primID(arguments->hit, arguments->N, i), RTCHitN_u(arguments->hit, arguments->N, i),
-          RTCHitN_v(arguments->hit, arguments->N, i));
-      const SurfacePoint point = make_surface_point(*context.geometry, hit, context.direction);
-      if (!point.is_unlit) passing += opacity * shade::surface_straight(point.surface, point.wo);
-    }
-    if (max_component(passing) <= 0.0f) continue;
-    context.transmittance *= passing;
-    arguments->valid[i] = 0;
+  if (context.boundaries != nullptr) return;
+  if (arguments->valid[0] == 0) return;
+  const vec3 passing = context.geometry->transmittance(filtered_hit(context, arguments), context.direction);
+  if (max_component(passing) <= 0.0f) return;
+  context.transmittance *= passing;
+  arguments->valid[0] = 0;
+}
+
+/// Of a query: the eye looks through backs.
+void filter_visible(const RTCFilterFunctionNArguments* arguments) {
+  const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
+  if (arguments->valid[0] == 0) return;
+  if (is_culled_back(*context.geometry, filtered_hit(context, arguments), context.direction)) arguments->valid[0] = 0;
+}
+
+/// Of a query: what has been met is not met again.
+void filter_passed(const RTCFilterFunctionNArguments* arguments) {
+  const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
+  if (arguments->valid[0] == 0) return;
+  const Hit hit = filtered_hit(context, arguments);
+  for (const Hit& passed : context.passed) {
+    if (is_one_surface(*context.geometry, passed, hit, context.direction)) arguments->valid[0] = 0;
   }
+}
+
+/// Of a query: notes the faces of bodies, and goes on.
+void filter_boundaries(const RTCFilterFunctionNArguments* arguments) {
+  const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
+  if (arguments->valid[0] == 0) return;
+  const Hit hit = filtered_hit(context, arguments);
+  if (context.geometry->placement(hit.placement).body != 0) context.boundaries->push_back(hit);
+  arguments->valid[0] = 0;
+}
+
+RTCRay embree_ray(const Ray& ray) {
+  RTCRay query;
+  query.org_x = ray.origin.x;
+  query.org_y = ray.origin.y;
+  query.org_z = ray.origin.z;
+  query.dir_x = ray.direction.x;
+  query.dir_y = ray.direction.y;
+  query.dir_z = ray.direction.z;
+  query.tnear = ray.t_min;
+  query.tfar = ray.t_max;
+  query.time = 0.0f;
+  query.mask = ~0U;
+  query.id = 0;
+  query.flags = 0;
+  return query;
 }
 
 GeometryHandle make_triangles(RTCDevice device, MeshData& mesh) {
@@ -92,6 +157,7 @@ std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& m
   const Primitive& primitive = material.height ? relief : flat;
   auto mesh = std::make_unique<MeshData>();
   mesh->material = &material;
+  mesh->is_mirrored = to_world != nullptr && to_world->is_mirrored;
   mesh->triangles = primitive.triangles;
   mesh->tangents = material.needs_tangents ? primitive.tangents : std::vector<vec4>{};
   mesh->uv1 = primitive.uvs[1];
@@ -117,7 +183,14 @@ std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& m
   return mesh;
 }
 
-Placement make_placement(const Node& node, int index) {
+/// Multiplies the opacity of a mesh.
+void fade(MeshData& mesh, float opacity) {
+  if (opacity == 1.0f) return;
+  if (mesh.colors.empty()) mesh.colors.assign(mesh.vertices.size(), vec4(1.0f));
+  for (vec4& color : mesh.colors) color.w *= opacity;
+}
+
+Placement make_placement(const Node& node, int index, int number) {
   Placement placement;
   placement.world_from_object = node.world_from_node;
   const mat3 linear(node.world_from_node);
@@ -128,6 +201,8 @@ Placement make_placement(const Node& node, int index) {
   placement.world_from_normal = determinant < 0.0f ? -cofactor : cofactor;
   placement.is_mirrored = determinant < 0.0f;
   placement.node = index;
+  placement.number = number;
+  placement.color = vec3(node.color);
   return placement;
 }
 
@@ -248,36 +323,41 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
   if (!impl_->device) throw Error("cannot start Embree");
   impl_->scene.reset(rtcNewScene(impl_->device.get()));
   rtcSetSceneBuildQuality(impl_->scene.get(), RTC_BUILD_QUALITY_MEDIUM);
+  rtcSetSceneFlags(impl_->scene.get(), kFilterByQuery);
 
   materials_.reserve(scene.materials.size());
   for (const Material& material : scene.materials) {
     materials_.emplace_back(scene, material, model);
     has_media_ = has_media_ || materials_.back().has_medium;
+    has_blends_ = has_blends_ || material.alpha_mode == AlphaMode::blend;
   }
 
-  std::map<int, int> uses;
+  // Colours differ from node to node; opacity, which rays ask for without knowing the node, is the mesh's.
+  const auto key_of = [](const Node& node) { return std::pair(node.mesh, node.color.w); };
+  std::map<std::pair<int, float>, int> uses;
   for (const Node& node : scene.nodes) {
-    if (node.mesh >= 0) ++uses[node.mesh];
+    if (node.mesh >= 0) ++uses[key_of(node)];
   }
 
   struct Shared {
     SceneHandle scene;
     std::vector<const MeshData*> meshes;
   };
-  std::map<int, Shared> shared;
+  std::map<std::pair<int, float>, Shared> shared;
   unsigned next_geometry = 0;
 
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
     if (node.mesh < 0) continue;
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(node.mesh)];
-    Placement placement = make_placement(node, static_cast<int>(i));
+    Placement placement = make_placement(node, static_cast<int>(i), number_of(scene.nodes, i));
 
     // ----- placed once, or flattened: straight into the top level, in world space
-    if (uses[node.mesh] == 1 || !can_instance(node.world_from_node)) {
+    if (uses[key_of(node)] == 1 || !can_instance(node.world_from_node)) {
       for (const Primitive& primitive : mesh.primitives) {
         if (primitive.triangles.empty()) continue;
         meshes_.push_back(make_mesh(primitive, materials_[static_cast<std::size_t>(primitive.material)], &placement));
+        fade(*meshes_.back(), node.color.w);
         Placement in_world = placement;
         in_world.mesh = meshes_.back().get();
         in_world.is_world = true;
@@ -290,12 +370,14 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     }
 
     // ----- placed often: a tree of its own, instanced
-    Shared& tree = shared[node.mesh];
+    Shared& tree = shared[key_of(node)];
     if (!tree.scene) {
       tree.scene.reset(rtcNewScene(impl_->device.get()));
+      rtcSetSceneFlags(tree.scene.get(), kFilterByQuery);
       for (const Primitive& primitive : mesh.primitives) {
         if (primitive.triangles.empty()) continue;
         meshes_.push_back(make_mesh(primitive, materials_[static_cast<std::size_t>(primitive.material)], nullptr));
+        fade(*meshes_.back(), node.color.w);
         impl_->attach(tree.scene.get(), make_triangles(impl_->device.get(), *meshes_.back()),
                       static_cast<unsigned>(tree.meshes.size()));
         tree.meshes.push_back(meshes_.back().get());
@@ -318,6 +400,7 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
   }
   for (auto& [index, tree] : shared) impl_->shared.push_back(std::move(tree.scene));
 
+  bodies_ = find_bodies(placements_);
   rtcCommitScene(impl_->scene.get());
   impl_->check("building the acceleration structure");
   impl_->is_empty = next_geometry == 0;
@@ -330,30 +413,57 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
 
 Geometry::~Geometry() = default;
 
-Hit Geometry::intersect(const Ray& ray, std::uint32_t seed) const {
+/// One ray, and the filter that it brings.
+struct Geometry::Query {
   QueryContext context;
-  init_context(context.base);
-  context.seeds = &seed;
+  RTCFilterFunctionN filter = nullptr;
+  std::uint32_t seed = 0;
+
+  Query(const Geometry& geometry, vec3 direction, RTCFilterFunctionN own_filter) : filter(own_filter) {
+    init_context(context.base);
+    context.geometry = &geometry;
+    context.direction = direction;
+  }
+};
+
+Hit Geometry::intersect(const Ray& ray, std::uint32_t seed) const {
+  Query query(*this, ray.direction, nullptr);
+  query.seed = seed;
+  query.context.seeds = &query.seed;
+  return intersect(ray, query);
+}
+
+Hit Geometry::intersect_visible(const Ray& ray, std::uint32_t seed) const {
+  Query query(*this, ray.direction, filter_visible);
+  query.seed = seed;
+  query.context.seeds = &query.seed;
+  return intersect(ray, query);
+}
+
+Hit Geometry::first_surface(const Ray& ray) const {
+  Query query(*this, ray.direction, filter_visible);
+  return intersect(ray, query);
+}
+
+Hit Geometry::intersect_beyond(const Ray& ray, std::uint32_t seed, std::span<const Hit> passed) const {
+  Query query(*this, ray.direction, filter_passed);
+  query.seed = seed;
+  query.context.seeds = &query.seed;
+  query.context.passed = passed;
+  return intersect(ray, query);
+}
+
+Hit Geometry::intersect(const Ray& ray, Query& with) const {
   RTCRayHit query;
-  query.ray.org_x = ray.origin.x;
-  query.ray.org_y = ray.origin.y;
-  query.ray.org_z = ray.origin.z;
-  query.ray.dir_x = ray.direction.x;
-  query.ray.dir_y = ray.direction.y;
-  query.ray.dir_z = ray.direction.z;
-  query.ray.tnear = ray.t_min;
-  query.ray.tfar = ray.t_max;
-  query.ray.time = 0.0f;
-  query.ray.mask = ~0U;
-  query.ray.id = 0;
-  query.ray.flags = 0;
+  query.ray = embree_ray(ray);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  intersect_1(impl_->scene.get(), context.base, query);
+  intersect_1(impl_->scene.get(), with.context.base, query, with.filter);
 
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   Hit found = hit(query.hit.instID[0], query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v);
   found.t = query.ray.tfar;
+  found.seed = with.seed;
   return found;
 }
 
@@ -401,29 +511,35 @@ void Geometry::intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize])
     if (valid[i] == 0 || query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     hits[i] = hit(query.hit.instID[0][i], query.hit.geomID[i], query.hit.primID[i], query.hit.u[i], query.hit.v[i]);
     hits[i].t = query.ray.tfar[i];
+    hits[i].seed = packet.seeds[i];
   }
 }
 
 vec3 Geometry::transmittance(const Ray& ray) const {
-  QueryContext context;
-  init_context(context.base);
-  context.geometry = this;
-  context.direction = ray.direction;
-  RTCRay query;
-  query.org_x = ray.origin.x;
-  query.org_y = ray.origin.y;
-  query.org_z = ray.origin.z;
-  query.dir_x = ray.direction.x;
-  query.dir_y = ray.direction.y;
-  query.dir_z = ray.direction.z;
-  query.tnear = ray.t_min;
-  query.tfar = ray.t_max;
-  query.time = 0.0f;
-  query.mask = ~0U;
-  query.id = 0;
-  query.flags = 0;
-  occluded_1(impl_->scene.get(), context.base, query);
-  return query.tfar < 0.0f ? vec3(0.0f) : context.transmittance;
+  Query with(*this, ray.direction, nullptr);
+  RTCRay query = embree_ray(ray);
+  occluded_1(impl_->scene.get(), with.context.base, query);
+  return query.tfar < 0.0f ? vec3(0.0f) : with.context.transmittance;
+}
+
+vec3 Geometry::transmittance(const Hit& hit, vec3 direction) const {
+  const MeshData& mesh = *placement(hit.placement).mesh;
+  const float opacity = mesh.opacity(mesh.triangles[hit.triangle], {1.0f - hit.u - hit.v, hit.u, hit.v});
+  vec3 passing(1.0f - opacity);
+  if (opacity > 0.0f && mesh.material->is_clear_sheet) {
+    const SurfacePoint point = make_surface_point(*this, hit, direction);
+    if (!point.is_unlit) passing += opacity * shade::surface_straight(point.surface, point.wo);
+  }
+  return passing;
+}
+
+std::vector<Hit> Geometry::find_boundaries(const Ray& ray) const {
+  std::vector<Hit> found;
+  Query with(*this, ray.direction, filter_boundaries);
+  with.context.boundaries = &found;
+  RTCRay query = embree_ray(ray);
+  occluded_1(impl_->scene.get(), with.context.base, query, with.filter);
+  return found;
 }
 
 TrianglePositions triangle_positions(const Placement& placement, std::uint32_t triangle) {

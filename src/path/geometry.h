@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "path/medium.h"
@@ -45,6 +46,7 @@ struct MeshData {
   std::vector<vec2> uv1;
   std::vector<vec4> colors;
   const MaterialData* material = nullptr;
+  bool is_mirrored = false;  ///< in world space, by a node of negative determinant: the winding is reversed
 
   vec2 uv(const uvec3& t, vec3 b, int set) const;
   vec4 color(const uvec3& t, vec3 b) const;
@@ -60,6 +62,9 @@ struct Placement {
   bool is_world = false;         ///< the mesh already is in world space
   bool is_mirrored = false;      ///< negative determinant: the winding is reversed
   int node = -1;
+  int body = 0;          ///< the body that its faces bound, see find_bodies; 0 = none
+  int number = -1;       ///< of the node, as people know it
+  vec3 color{1.0f};      ///< multiplies the base colour; the node's opacity is in its mesh
   int first_light = -1;  ///< index of triangle 0 among the emissive triangles
 };
 
@@ -68,6 +73,7 @@ struct Hit {
   std::uint32_t triangle = 0;
   float t = kInfinity;
   float u = 0.0f, v = 0.0f;
+  std::uint32_t seed = 0;  ///< what decided along its ray whether blended surfaces are there
 
   explicit operator bool() const { return placement >= 0; }
 };
@@ -77,6 +83,12 @@ struct Ray {
   vec3 direction;
   float t_min = 0.0f;
   float t_max = kInfinity;
+};
+
+/// A body that light can enter. Its faces may belong to several materials, primitives and nodes.
+struct Body {
+  bool is_open = false;  ///< some edge has no face on its other side
+  Box3 bounds;
 };
 
 /// Sixteen camera rays, traced together.
@@ -99,12 +111,23 @@ class Geometry {
   Hit intersect(const Ray& ray, std::uint32_t seed) const;
   void intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize]) const;
 
+  /// The closest hit that the eye sees: the backs that it looks through are not there, see is_culled_back.
+  Hit intersect_visible(const Ray& ray, std::uint32_t seed) const;
+  /// The first surface of the layers: as the eye sees it, and of opacity at least ½. No chance is in it.
+  Hit first_surface(const Ray& ray) const;
+  /// The closest hit on another surface than any of `passed`, which the same ray has met. See is_one_surface.
+  Hit intersect_beyond(const Ray& ray, std::uint32_t seed, std::span<const Hit> passed) const;
+  /// All faces of bodies along the ray, in no order.
+  std::vector<Hit> find_boundaries(const Ray& ray) const;
+
   /// A hit by Embree's numbers, without its distance.
   Hit hit(unsigned instance, unsigned geometry, unsigned triangle, float u, float v) const;
 
   /// Fraction of light that passes along the segment: 0, 1, or the product of 1 - opacity of blended surfaces and of
   /// what smooth sheets let straight through.
   vec3 transmittance(const Ray& ray) const;
+  /// The same of one surface.
+  vec3 transmittance(const Hit& hit, vec3 direction) const;
 
   const Placement& placement(int index) const { return placements_[static_cast<std::size_t>(index)]; }
   std::vector<Placement>& placements() { return placements_; }
@@ -112,17 +135,26 @@ class Geometry {
   const Box3& bounds() const { return bounds_; }
   /// Whether light can enter bodies.
   bool has_media() const { return has_media_; }
+  /// Whether some surface is there by chance.
+  bool has_blends() const { return has_blends_; }
+  /// By Placement::body; the first stands for none.
+  const std::vector<Body>& bodies() const { return bodies_; }
   std::uint64_t triangle_count() const { return triangle_count_; }
   std::uint64_t instance_count() const { return instance_count_; }
 
  private:
   struct Impl;
+  struct Query;
+  Hit intersect(const Ray& ray, Query& query) const;
+
   std::unique_ptr<Impl> impl_;
   std::vector<MaterialData> materials_;
   std::vector<std::unique_ptr<MeshData>> meshes_;
   std::vector<Placement> placements_;
   Box3 bounds_;
+  std::vector<Body> bodies_;
   bool has_media_ = false;
+  bool has_blends_ = false;
   std::uint64_t triangle_count_ = 0;
   std::uint64_t instance_count_ = 0;
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "path/bodies.h"
+#include "path/place.h"
 #include "path/surface_point.h"
 #include "path/walk.h"
 
@@ -21,6 +23,7 @@ PathSample background_sample(const PathContext& context, vec3 direction) {
     sample.radiance = environment.background(direction);
   } else {
     sample.alpha = 0.0f;
+    sample.through = vec3(1.0f);
   }
   return sample;
 }
@@ -32,14 +35,28 @@ void record_first_surface(const SurfacePoint& point, PathSample& sample) {
                       : glm::min(shade::surface_albedo(point.surface), vec3(1.0f));
 }
 
-/// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance.
+/// What a path has met, and what else is there.
+struct Meeting {
+  const Ray& ray;
+  const Hit& hit;
+  Place& place;
+};
+
+/// Whether rough facets, through which one sees, or diffuse transmission, which shows nothing, lets most of the light
+/// through a surface.
+bool is_glass(const shade::Surface& surface) { return surface.weight_glass > max_component(surface.diffuse_below); }
+
+/// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance. Where the
+/// background is seen, the environment shines on the near side of glass only.
 template <bool kHasMedia>
 vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& crossing, const SurfacePoint& point,
-                  const LightChances& chances, float u_choice, vec2 u, RayCounts& counts) {
+                  const Meeting& meeting, const LightChances& chances, bool sees_background, float u_choice, vec2 u,
+                  RayCounts& counts) {
   const LightSample light = context.lights.sample(point.position, chances, u_choice, u);
   if (light.pdf <= 0.0f) return vec3(0.0f);
   const bool is_outside = point.is_outside(light.direction);
   if (!is_outside && !shade::surface_scatters_through(point.surface)) return vec3(0.0f);
+  if (!is_outside && sees_background && light.is_environment() && is_glass(point.surface)) return vec3(0.0f);
   const vec3 wi = point.frame.to_local(light.direction);
   if ((wi.z > 0.0f) != is_outside) return vec3(0.0f);
   const shade::SurfaceEval f = shade::surface_eval(point.surface, point.wo, wi);
@@ -47,6 +64,12 @@ vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& 
 
   Ray shadow;
   shadow.origin = point.ray_origin(light.direction);
+  vec3 transmittance(1.0f);
+  if (!meeting.place.is_simple(!is_outside)) {
+    transmittance = meeting.place.transmittance(context.geometry, meeting.ray, meeting.hit, !is_outside,
+                                                light.direction, shadow.origin);
+    if (max_component(transmittance) <= 0.0f) return vec3(0.0f);
+  }
   shadow.direction = light.direction;
   if (light.distance < kInfinity) {
     const vec3 to_light = light.target - shadow.origin;
@@ -56,7 +79,7 @@ vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& 
     shadow.t_max = distance * (1.0f - 1e-6f);
   }
   ++counts.shadow;
-  vec3 transmittance = context.geometry.transmittance(shadow);
+  transmittance *= context.geometry.transmittance(shadow);
   if constexpr (kHasMedia) transmittance *= walk.transmittance(crossing, !is_outside, light.distance);
   const float weight = light.is_delta ? 1.0f : mis_weight(light.pdf, f.pdf, light.mis_power);
   return f.value * context.lights.radiance(light) * transmittance * (weight / light.pdf);
@@ -76,22 +99,46 @@ float emission_weight(const PathContext& context, const Hit& hit, const SurfaceP
 
 }  // namespace
 
-Hit first_visible_hit(const PathContext& context, Ray& ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
-  while (hit && is_culled_back(context.geometry, hit, ray.direction)) {
-    // The same ray meets a triangle at the same distance each time, so that this ends; moving its origin might not.
-    ray.t_min = std::max(hit.t * (1.0f + 0x1p-20f), 1e-30f);
-    hit = context.geometry.intersect(ray, sampler.next_hash());
-    ++counts.camera;
-  }
-  return hit;
+Hit first_visible_hit(const PathContext& context, const Ray& ray, const Hit& hit, RayCounts& counts) {
+  if (!hit || !is_culled_back(context.geometry, hit, ray.direction)) return hit;
+  ++counts.camera;
+  return context.geometry.intersect_visible(ray, hit.seed);
 }
 
 namespace {
 
 template <bool kHasMedia>
+Walk start_walk(const PathContext& context, vec3 eye) {
+  if constexpr (!kHasMedia) return Walk();
+  return context.eye_is_wide ? Walk(bodies_around(context.geometry, eye)) : Walk(context.start);
+}
+
+/// To the next surface at the same place. The eye sees no backs there either.
+bool step(const PathContext& context, Place& place, Ray& ray, Hit& hit, vec3 direction, bool is_through, bool is_eye) {
+  bool is_here = place.step(context.geometry, ray, hit, is_through);
+  while (is_here && is_eye && is_culled_back(context.geometry, hit, direction)) {
+    is_here = place.step(context.geometry, ray, hit, true);
+  }
+  if (is_here) ray.direction = direction;
+  return is_here;
+}
+
+/// Albedo and normal of what layers call the first surface.
+void find_first_surface(const PathContext& context, const Ray& ray, PathSample& sample) {
+  const Hit hit = context.geometry.first_surface(ray);
+  sample.albedo = vec3(1.0f);
+  sample.normal = vec3(0.0f);
+  if (!hit) return;
+  Walk walk(context.start);
+  const Crossing crossing = walk.find_crossing(context, hit, ray.direction, 0.5f);
+  record_first_surface(make_surface_point(context.geometry, hit, ray.direction, crossing.eta), sample);
+}
+
+template <bool kHasMedia>
 PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
   PathSample sample;
-  Walk walk;
+  Walk walk = start_walk<kHasMedia>(context, ray.origin);
+  Place place;
   // What the direction that led here was drawn with: 0 after the camera, after mirrors, and in scattering bodies.
   float bsdf_pdf = 0.0f;
   LightChances chances;             // of the lights at the vertex where it was drawn
@@ -100,10 +147,23 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
   float u_wavelength = 0.0f;
   if constexpr (kHasMedia) u_wavelength = sampler.next_1d();
   bool is_first = true;
+  bool is_eye = true;                                  // the direction is the camera's still
+  bool sees_background = context.background_in_glass;  // the path was never reflected or scattered
   int passed = 0;
+  if constexpr (kHasMedia) {
+    bool scattered = false;
+    if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
+    is_eye = !scattered;
+    sees_background = sees_background && !scattered;
+    sky = context.lights.environment().locate(ray.direction);
+  }
   for (int depth = 0;; ++depth) {
     // ----- the ray left the scene
-    if (!hit && depth == 0 && !context.sees_lamps) {
+    if (!hit && sees_background) {
+      sample.through = walk.throughput;
+      break;
+    }
+    if (!hit && is_eye && !context.sees_lamps) {
       sample.radiance += walk.throughput * context.lights.environment().read(sky).radiance;
       break;
     }
@@ -122,7 +182,12 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
 
     // ----- the boundary of a body?
     Crossing crossing;
-    if constexpr (kHasMedia) crossing = walk.find_crossing(context, hit, ray.direction, u_wavelength);
+    if constexpr (kHasMedia) {
+      if (context.geometry.placement(hit.placement).body != 0 && is_back_hit(context.geometry, hit, ray.direction)) {
+        place.enter_before_leaving(context.geometry, ray, hit);
+      }
+      crossing = walk.find_crossing(context, hit, ray.direction, u_wavelength);
+    }
 
     // ----- x_depth: emitted light
     const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, crossing.eta);
@@ -130,8 +195,9 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     is_first = false;
     vec3 direction = ray.direction;
     bool is_straight = crossing.is_hidden;
+    bool is_through = true;
     if (!crossing.is_hidden) {
-      if (max_component(point.emission) > 0.0f && (depth > 0 || context.sees_lamps)) {
+      if (max_component(point.emission) > 0.0f && (!is_eye || context.sees_lamps)) {
         const float weight =
             point.is_unlit ? 1.0f : emission_weight(context, hit, point, ray, drawn_at, bsdf_pdf, chances);
         sample.radiance += walk.throughput * point.emission * weight;
@@ -149,18 +215,21 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       if (context.lights.can_sample() && !shade::surface_is_delta(point.surface)) {
         LightChances& target = is_straight ? here : chances;
         context.lights.find_chances(point.position, target);
-        sample.radiance += walk.throughput *
-                           direct_light<kHasMedia>(context, walk, crossing, point, target, choices.x, u_light, counts);
+        sample.radiance +=
+            walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, target,
+                                                      sees_background, choices.x, u_light, counts);
       }
       if (max_component(next.weight) <= 0.0f) break;
       walk.throughput *= next.weight;
       if (!is_straight) {
         direction = point.frame.to_world(next.wi);
-        const bool is_through = next.wi.z < 0.0f;
+        is_through = next.wi.z < 0.0f;
+        is_eye = false;
         if (point.is_outside(direction) == is_through) break;
         if constexpr (kHasMedia) {
           if (is_through) walk.cross(crossing);
         }
+        sees_background = sees_background && is_through && (next.is_delta || is_glass(point.surface));
         bsdf_pdf = next.is_delta ? 0.0f : next.pdf;
         drawn_at = point.ray_origin(direction);
 
@@ -174,23 +243,28 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     }
     if (is_straight) {
       if constexpr (kHasMedia) {
-        if (crossing.is_hidden) walk.cross(crossing);
+        walk.cross(crossing);
       }
       // A surface passed without a turn is no vertex; but no path goes on forever.
       if (++passed > kMostPassed) break;
       --depth;
     }
 
+    // ----- on to what else is at this place, or along a ray
+    if (!place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye)) continue;
     ray = {};
     ray.origin = point.ray_origin(direction);
     ray.direction = direction;
     ++counts.bounce;
     sky = context.lights.environment().locate(direction);
     hit = context.geometry.intersect(ray, sampler.next_hash());
+    if (is_eye) hit = first_visible_hit(context, ray, hit, counts);
     if constexpr (kHasMedia) {
       bool scattered = false;
       if (!walk.travel(context, ray, hit, sampler, counts, scattered)) break;
       if (scattered) {
+        is_eye = false;
+        sees_background = false;
         bsdf_pdf = 0.0f;
         sky = context.lights.environment().locate(ray.direction);
       }
@@ -202,26 +276,40 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
 }  // namespace
 
 PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
-  hit = first_visible_hit(context, ray, hit, sampler, counts);
-  if (!hit) return background_sample(context, ray.direction);
-  return context.has_media ? trace<true>(context, ray, hit, sampler, counts)
-                           : trace<false>(context, ray, hit, sampler, counts);
+  hit = first_visible_hit(context, ray, hit, counts);
+  PathSample sample = !hit                ? background_sample(context, ray.direction)
+                      : context.has_media ? trace<true>(context, ray, hit, sampler, counts)
+                                          : trace<false>(context, ray, hit, sampler, counts);
+  if (context.has_first_surface) find_first_surface(context, ray, sample);
+  return sample;
 }
 
 PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
-  hit = first_visible_hit(context, ray, hit, sampler, counts);
+  PathSample sample;
+  if (context.has_first_surface) find_first_surface(context, ray, sample);
+  hit = first_visible_hit(context, ray, hit, counts);
   if (!hit) return background_sample(context, ray.direction);
 
-  PathSample sample;
-  Walk walk;
+  Walk walk = start_walk<true>(context, ray.origin);
+  Place place;
+  bool is_eye = true;
+  bool sees_background = context.background_in_glass;
   int passed = 0;
+  bool scattered = false;
+  if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
+  is_eye = !scattered;
+  sees_background = sees_background && !scattered;
   for (int depth = 0; hit; ++depth) {
     Crossing crossing;
+    if (context.geometry.placement(hit.placement).body != 0 && is_back_hit(context.geometry, hit, ray.direction)) {
+      place.enter_before_leaving(context.geometry, ray, hit);
+    }
     if (context.has_media) crossing = walk.find_crossing(context, hit, ray.direction, unit_float(sampler.next_hash()));
     const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, crossing.eta);
-    if (depth == 0 && passed == 0) record_first_surface(point, sample);
+    if (depth == 0 && passed == 0 && !context.has_first_surface) record_first_surface(point, sample);
     vec3 direction = ray.direction;
     bool is_straight = crossing.is_hidden;
+    bool is_through = true;
     if (!crossing.is_hidden) {
       sample.radiance += walk.throughput * point.emission;
       if (point.is_unlit || depth == context.bounces) return sample;
@@ -229,8 +317,12 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
       const vec3 u = sampler.next_3d();
       const shade::SurfaceSample next = shade::surface_sample(point.surface, point.wo, u);
       is_straight = next.is_straight;
-      if (!is_straight) direction = point.frame.to_world(next.wi);
-      const bool is_through = next.wi.z < 0.0f;
+      if (!is_straight) {
+        direction = point.frame.to_world(next.wi);
+        is_eye = false;
+      }
+      is_through = next.wi.z < 0.0f;
+      sees_background = sees_background && is_through && (next.is_delta || is_glass(point.surface));
       if (point.is_outside(direction) == is_through) return sample;
       walk.throughput *= next.weight;
       if (max_component(walk.throughput) <= 0.0f) return sample;
@@ -243,13 +335,19 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
       --depth;
     }
 
+    if (!place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye)) continue;
     ray = {};
     ray.origin = point.ray_origin(direction);
     ray.direction = direction;
     ++counts.bounce;
     hit = context.geometry.intersect(ray, sampler.next_hash());
-    bool scattered = false;
+    if (is_eye) hit = first_visible_hit(context, ray, hit, counts);
     if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
+    if (scattered) is_eye = sees_background = false;
+  }
+  if (sees_background) {
+    sample.through = walk.throughput;
+    return sample;
   }
   sample.radiance += walk.throughput * context.lights.escaped_radiance(ray.direction);
   return sample;

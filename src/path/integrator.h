@@ -12,8 +12,12 @@ struct PathContext {
   const Lights& lights;
   int bounces = 8;
   Background background = Background::environment;
+  bool background_in_glass = false;  ///< what the camera sees through glass is a transparent background too
   bool sees_lamps = true;
-  bool has_media = true;  ///< whether any material bounds a body; false leaves out what only bodies need
+  bool has_media = true;           ///< whether any material bounds a body; false leaves out what only bodies need
+  MediumStack start{};             ///< the bodies that the eye is in
+  bool eye_is_wide = false;        ///< camera rays start at many places, some perhaps in bodies: `start` is none's
+  bool has_first_surface = false;  ///< PathSample::albedo and normal are asked for
 };
 
 struct RayCounts {
@@ -26,13 +30,13 @@ struct RayCounts {
 struct PathSample {
   vec3 radiance{0.0f};
   float alpha = 1.0f;  ///< 0 where the camera ray left the scene and the background is transparent
-  vec3 albedo{0.0f};   ///< of the first surface; 1 for lights and the background
-  vec3 normal{0.0f};   ///< of the first surface
+  vec3 through{0.0f};  ///< what that background is multiplied by: 1 there, less where it is seen through glass
+  vec3 albedo{0.0f};   ///< of the first surface of the layers; 1 for lights and the background
+  vec3 normal{0.0f};   ///< of the same
 };
 
-/// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees. The ray
-/// then begins (t_min) behind what was skipped.
-Hit first_visible_hit(const PathContext& context, Ray& ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
+/// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees.
+Hit first_visible_hit(const PathContext& context, const Ray& ray, const Hit& hit, RayCounts& counts);
 
 /// Radiance that comes back along a camera ray whose first hit is known. Unbiased; see docs/theory/path-tracing.md.
 PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);

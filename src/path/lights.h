@@ -18,6 +18,9 @@ struct LightSample {
   float mis_power = 1.0f;  ///< exponent of the heuristic for this kind of light
   bool is_map = false;     ///< `footprint` holds where its radiance stands
   EnvironmentLight::Footprint footprint;
+
+  /// The map or a sun.
+  bool is_environment() const { return distance == kInfinity && !is_delta; }
 };
 
 /// Weight of a technique with density `a` against one with density `b`; power 1 (balance) or 2 (Veach 1997, §9.2).

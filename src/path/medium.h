@@ -36,12 +36,23 @@ class MediumStack {
   const Medium* current() const { return count_ > 0 ? entries_[count_ - 1].medium : nullptr; }
   /// What lies below `body`, were it left.
   const Medium* below_top() const { return count_ > 1 ? entries_[count_ - 2].medium : nullptr; }
-  bool holds(std::uint64_t body) const { return find(body) >= 0; }
-  bool is_top(std::uint64_t body) const { return count_ > 0 && entries_[count_ - 1].body == body; }
-  void enter(std::uint64_t body, const Medium* medium) {
+  bool holds(int body) const { return find(body) >= 0; }
+  bool is_top(int body) const { return count_ > 0 && entries_[count_ - 1].body == body; }
+  /// The body entered last; 0 = none.
+  int top() const { return count_ > 0 ? entries_[count_ - 1].body : 0; }
+  bool empty() const { return count_ == 0; }
+  /// The body entered last of those that `condition` holds for; 0 = none.
+  template <class Condition>
+  int last(const Condition& condition) const {
+    for (std::size_t i = count_; i > 0; --i) {
+      if (condition(entries_[i - 1].body)) return entries_[i - 1].body;
+    }
+    return 0;
+  }
+  void enter(int body, const Medium* medium) {
     if (count_ < kMost) entries_[count_++] = {body, medium};
   }
-  void leave(std::uint64_t body) {
+  void leave(int body) {
     const int i = find(body);
     if (i < 0) return;
     for (std::size_t k = static_cast<std::size_t>(i); k + 1 < count_; ++k) entries_[k] = entries_[k + 1];
@@ -51,10 +62,10 @@ class MediumStack {
  private:
   static constexpr std::size_t kMost = 8;  // a ninth body inside eight others is as good as air
   struct Entry {
-    std::uint64_t body;
+    int body;
     const Medium* medium;
   };
-  int find(std::uint64_t body) const {
+  int find(int body) const {
     for (std::size_t i = count_; i > 0; --i) {
       if (entries_[i - 1].body == body) return static_cast<int>(i - 1);
     }

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "path/accumulator.h"
+#include "path/bodies.h"
 #include "path/camera.h"
 #include "path/integrator.h"
 #include "path/pixel_filter.h"
@@ -33,6 +34,12 @@ View without_lens(View view) {
   return view;
 }
 
+bool shows_background_in_glass(const Scene& scene, const Settings& settings) {
+  return settings.background == Background::transparent && !settings.environment_in_glass &&
+         std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& m) { return m.transmission > 0.0f && !m.unlit; });
+}
+
 /// One rendering: owns what the passes share.
 class Job {
  public:
@@ -40,14 +47,22 @@ class Job {
       : settings_(settings),
         geometry_(scene, settings.shading),
         lights_(scene, environment, geometry_),
-        context_{geometry_, lights_, settings.bounces, settings.background, settings.sees_lamps, geometry_.has_media()},
+        context_{geometry_,
+                 lights_,
+                 settings.bounces,
+                 settings.background,
+                 shows_background_in_glass(scene, settings),
+                 settings.sees_lamps,
+                 geometry_.has_media()},
         camera_(view, settings.width, settings.height),
         pinhole_(without_lens(view), settings.width, settings.height),
         filter_(settings.filter, settings.filter_radius),
-        accumulator_(settings),
+        accumulator_(settings, context_.background_in_glass),
         converged_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height), 0),
         tiles_x_((settings.width + kTile - 1) / kTile),
-        tiles_y_((settings.height + kTile - 1) / kTile) {}
+        tiles_y_((settings.height + kTile - 1) / kTile) {
+    find_start();
+  }
 
   void run(const Callbacks& callbacks, Statistics& statistics);
   Film film() const;
@@ -56,7 +71,9 @@ class Job {
   void render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_sample);
   void render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t last_sample, RayCounts& counts,
                     std::uint64_t& samples, std::uint64_t& non_finite);
+  void find_start();
   void find_converged();
+  NoiseReached noise_reached() const;
   bool run_pass(std::uint32_t first_sample, std::uint32_t last_sample, const Callbacks& callbacks);
   bool must_stop(const Callbacks& callbacks) const;
   void report(const Callbacks& callbacks);
@@ -84,6 +101,20 @@ class Job {
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_partial_ = Clock::now();
 };
+
+/// What camera rays begin in, and how their layers are found.
+void Job::find_start() {
+  const Box3 eye = camera_.origins();
+  if (eye.lower == eye.upper) {
+    context_.start = bodies_around(geometry_, eye.lower);
+  } else {
+    context_.eye_is_wide = may_be_inside(geometry_, eye);
+  }
+  // Elsewhere the first surface of the layers is that of the path.
+  const bool is_by_chance = geometry_.has_blends() || !context_.start.empty() || context_.eye_is_wide;
+  context_.has_first_surface =
+      is_by_chance && (settings_.layers.contains(Layer::albedo) || settings_.layers.contains(Layer::normal));
+}
 
 void Job::render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t last_sample, RayCounts& counts,
                        std::uint64_t& samples, std::uint64_t& non_finite) {
@@ -150,7 +181,7 @@ void Job::render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_s
 /// A pixel stops when it and its eight neighbours are below the target: a lone pixel that has met no highlight yet must
 /// not freeze beside one that has.
 void Job::find_converged() {
-  const float reference = accumulator_.mean_luminance();
+  const Accumulator::Reference reference = accumulator_.reference();
   const auto w = static_cast<std::size_t>(settings_.width);
   std::vector<std::uint8_t> good(pixel_count());
   parallel_for(0, static_cast<std::size_t>(settings_.height), 8, [&](std::size_t begin, std::size_t end) {
@@ -174,6 +205,21 @@ void Job::find_converged() {
       converged_count_ += all ? 1 : 0;
     }
   }
+}
+
+NoiseReached Job::noise_reached() const {
+  const Accumulator::Reference reference = accumulator_.reference();
+  NoiseReached reached;
+  std::size_t above = 0;
+  for (int y = 0; y < settings_.height; ++y) {
+    for (int x = 0; x < settings_.width; ++x) {
+      const float error = accumulator_.relative_error(x, y, reference);
+      reached.worst = std::max(reached.worst, error);
+      above += error < *settings_.noise ? 0 : 1;
+    }
+  }
+  reached.share_above = static_cast<double>(above) / static_cast<double>(pixel_count());
+  return reached;
 }
 
 void Job::report(const Callbacks& callbacks) {
@@ -234,6 +280,7 @@ void Job::run(const Callbacks& callbacks, Statistics& statistics) {
     const std::uint32_t next = std::min(limit, done == 0 ? 1U : done < kPassSamples ? done * 4U : done + kPassSamples);
     if (!run_pass(done, next, callbacks)) {
       statistics.interrupted = callbacks.stop != nullptr && callbacks.stop->load();
+      statistics.timed_out = !statistics.interrupted;
       break;
     }
     done = next;
@@ -247,6 +294,7 @@ void Job::run(const Callbacks& callbacks, Statistics& statistics) {
     report(callbacks);
   }
   statistics.render_s = seconds_since(start_);
+  if (settings_.noise) statistics.noise = noise_reached();
   statistics.samples = totals_.samples;
   statistics.camera_rays = totals_.camera;
   statistics.bounce_rays = totals_.bounce;
@@ -270,18 +318,14 @@ void Job::trace_centre_layers(Film& film) const {
   parallel_for(0, static_cast<std::size_t>(settings_.height), 4, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       for (int x = 0; x < settings_.width; ++x) {
-        Ray ray = pinhole_.generate(vec2(x, y) + 0.5f, vec2(0.5f)).ray;
-        const vec3 eye = ray.origin;
-        SobolSampler sampler(pixel_seed(x, y), 0);
-        RayCounts counts;
-        const Hit hit =
-            first_visible_hit(context_, ray, geometry_.intersect(ray, sampler.next_hash()), sampler, counts);
+        const Ray ray = pinhole_.generate(vec2(x, y) + 0.5f, vec2(0.5f)).ray;
+        const Hit hit = geometry_.first_surface(ray);
         const vec3 p = hit ? ray.origin + ray.direction * hit.t : vec3(0.0f);
-        if (depth) film.layers[Layer::depth].at(x, y)[0] = hit ? glm::length(p - eye) : kInfinity;
+        if (depth) film.layers[Layer::depth].at(x, y)[0] = hit ? glm::length(p - ray.origin) : kInfinity;
         if (position) film.layers[Layer::position].set_rgb(x, y, p);
         if (id) {
           film.layers[Layer::object_id].at(x, y)[0] =
-              hit ? static_cast<float>(geometry_.placement(hit.placement).node + 1) : 0.0f;
+              hit ? static_cast<float>(geometry_.placement(hit.placement).number + 1) : 0.0f;
         }
       }
     }

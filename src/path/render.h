@@ -20,7 +20,8 @@ enum class Integrator {
   minimal  ///< samples the material only: same mean, more noise; the reading ladder and the test oracle
 };
 
-/// What a camera ray sees that hits nothing. A plain colour is `transparent` with DevelopSettings::background.
+/// What a camera ray sees that hits nothing, or nothing but glass that it passes. A plain colour is `transparent` with
+/// DevelopSettings::background.
 enum class Background { environment, transparent };
 
 struct Settings {
@@ -35,6 +36,8 @@ struct Settings {
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
   Integrator integrator = Integrator::full;
   Background background = Background::environment;
+  /// Of another background: glass shows the environment behind it all the same.
+  bool environment_in_glass = false;
   /// False: what camera rays see is lit by lamps and suns, but they are not in the picture (for probes, beside which
   /// lamps light on their own).
   bool sees_lamps = true;
@@ -50,6 +53,12 @@ struct Progress {
   std::optional<double> remaining_s;
 };
 
+/// How near a picture came to Settings::noise.
+struct NoiseReached {
+  double share_above = 0.0;  ///< of the pixels whose estimated relative error is above it
+  float worst = 0.0f;        ///< error of any pixel; infinite where a pixel has one sample
+};
+
 struct Statistics {
   double build_s = 0.0;  ///< acceleration structure and light tables
   double render_s = 0.0;
@@ -61,7 +70,9 @@ struct Statistics {
   std::uint64_t triangles = 0;           ///< stored once per mesh
   std::uint64_t instances = 0;
   double mean_samples_per_pixel = 0.0;
-  bool interrupted = false;  ///< stopped by `Callbacks::stop`
+  bool interrupted = false;           ///< stopped by `Callbacks::stop`
+  bool timed_out = false;             ///< stopped by `Settings::time_limit_s`
+  std::optional<NoiseReached> noise;  ///< where a target was set
 };
 
 struct Callbacks {

@@ -1,5 +1,8 @@
 #include "path/surface_point.h"
 
+#include <algorithm>
+#include <array>
+
 #include "shade/workflow.glsl.h"
 
 namespace candela::path {
@@ -14,6 +17,13 @@ vec3 lift_to_smooth_surface(vec3 p, const TrianglePositions& t, const std::array
   return p + barycentric.x * (lift(p - t.p0, normals[0]) - (p - t.p0)) +
          barycentric.y * (lift(p - t.p1, normals[1]) - (p - t.p1)) +
          barycentric.z * (lift(p - t.p2, normals[2]) - (p - t.p2));
+}
+
+/// 0 where the facet has no area.
+vec3 facet_normal(const TrianglePositions& p) {
+  const vec3 n = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
+  const float length = glm::length(n);
+  return length > 0.0f ? n / length : vec3(0.0f);
 }
 
 /// Turns a shading normal just so far that the viewer is in front of it and its mirror direction is in front of the
@@ -160,8 +170,40 @@ vec3 emission_at(const MeshData& mesh, const uvec3& triangle, vec3 barycentric) 
 }
 
 bool is_culled_back(const Geometry& geometry, const Hit& hit, vec3 direction) {
-  return !geometry.placement(hit.placement).mesh->material->factors.double_sided &&
-         is_back_hit(geometry, hit, direction);
+  const MaterialData& material = *geometry.placement(hit.placement).mesh->material;
+  return !material.factors.double_sided && !material.has_medium && is_back_hit(geometry, hit, direction);
+}
+
+bool is_one_surface(const Geometry& geometry, const Hit& a, const Hit& b, vec3 direction) {
+  if (a.placement == b.placement && a.triangle == b.triangle) return true;
+  if (is_back_hit(geometry, a, direction) != is_back_hit(geometry, b, direction)) return false;
+  const TrianglePositions p = triangle_positions(geometry.placement(a.placement), a.triangle);
+  const TrianglePositions q = triangle_positions(geometry.placement(b.placement), b.triangle);
+  const std::array<vec3, 3> ps{p.p0, p.p1, p.p2};
+  const std::array<float, 3> weights{1.0f - a.u - a.v, a.u, a.v};
+  const float longest = std::max(glm::distance(p.p0, p.p1), glm::distance(p.p0, p.p2));
+  const float near = std::min(surface_clearance(geometry.placement(a.placement), p, facet_normal(p)), 1e-3f * longest);
+  int shared = 0;
+  float weight = 0.0f;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const vec3& corner : {q.p0, q.p1, q.p2}) {
+      if (glm::distance(ps[i], corner) > near) continue;
+      ++shared;
+      weight += weights[i];
+      break;
+    }
+  }
+  // On an edge the two ends have all the weight. Triangles that share all corners lie on each other.
+  constexpr float kNearEdge = 1e-3f;
+  return shared > 0 && shared < 3 && weight > 1.0f - kNearEdge;
+}
+
+vec3 origin_beyond(const Geometry& geometry, const Hit& hit, vec3 direction) {
+  const Placement& placement = geometry.placement(hit.placement);
+  const TrianglePositions p = triangle_positions(placement, hit.triangle);
+  const vec3 n = facet_normal(p);
+  const float side = glm::dot(n, direction) < 0.0f ? -1.0f : 1.0f;
+  return p.p0 * (1.0f - hit.u - hit.v) + p.p1 * hit.u + p.p2 * hit.v + side * surface_clearance(placement, p, n) * n;
 }
 
 bool is_back_hit(const Geometry& geometry, const Hit& hit, vec3 direction) {
@@ -234,7 +276,7 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   ns = keep_reflection_outside(ns, ng, wo);
 
   // ----- the material
-  vec3 base_color = m.base_color * vec3(mesh.color(t, b));
+  vec3 base_color = m.base_color * placement.color * vec3(mesh.color(t, b));
   if (material.base_color) base_color *= vec3(material.base_color.read(at.base_color));
   if (m.unlit) {
     point.frame = frame_from_normal(ns);

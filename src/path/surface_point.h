@@ -36,7 +36,8 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
 /// Whether a ray with `direction` meets the back of the facet.
 bool is_back_hit(const Geometry& geometry, const Hit& hit, vec3 direction);
 
-/// Whether a hit shows the back of a single-sided material, which the camera looks through (glTF 2.0 §3.9.6).
+/// Whether a hit shows the back of a single-sided material, which the camera looks through (glTF 2.0 §3.9.6). The
+/// boundary of a body has no back: doubleSided does not count there (KHR_materials_volume).
 bool is_culled_back(const Geometry& geometry, const Hit& hit, vec3 direction);
 
 /// Emission of a material at a point of a triangle, before any question of sides. cd/m².
@@ -47,5 +48,12 @@ vec3 emission_at(const MeshData& mesh, const uvec3& triangle, vec3 barycentric);
 /// "Physically Based Rendering", 3rd ed., §3.9.5, with one factor for all operations. Grows with the coordinates of the
 /// corners, not of the point: large triangles near the origin are the ones that go wrong.
 float surface_clearance(const Placement& placement, const TrianglePositions& p, vec3 n);
+
+/// Whether two hits of one ray near the same place are of one surface: the same triangle, or neighbours that meet at an
+/// edge or corner there and face the ray alike.
+bool is_one_surface(const Geometry& geometry, const Hit& a, const Hit& b, vec3 direction);
+
+/// Where a ray starts that leaves a surface to the side that `direction` looks to.
+vec3 origin_beyond(const Geometry& geometry, const Hit& hit, vec3 direction);
 
 }  // namespace candela::path

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "math/hash.h"
 #include "shade/dispersion.glsl.h"
 
 namespace candela::path {
@@ -26,6 +27,26 @@ vec3 turn(vec3 direction, float cosine, float u) {
   return glm::normalize(frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine}));
 }
 
+/// A body has a far side. Light that finds none was in no body, or has slipped out of one by rounding.
+bool is_endless(float distance) { return !(distance < 1e15f); }
+
+float opacity_at(const Placement& placement, const Hit& hit) {
+  const MeshData& mesh = *placement.mesh;
+  return mesh.opacity(mesh.triangles[hit.triangle], {1.0f - hit.u - hit.v, hit.u, hit.v});
+}
+
+/// Whether a blended boundary that a path leaves a body by is there; the traversal did not ask (geometry.cpp).
+bool is_there(const Placement& placement, const Hit& hit) {
+  if (!placement.mesh->material->needs_opacity) return true;
+  constexpr std::uint32_t kSalt = 0x6578'6974;
+  const std::uint32_t chance =
+      hash_combine(hash_combine(hit.seed ^ kSalt, hit.triangle), static_cast<std::uint32_t>(hit.placement));
+  return unit_float(chance) < opacity_at(placement, hit);
+}
+
+/// Who is not in a body whose back he meets has come in through a hole, if it can have one.
+bool is_whole(const Placement& placement) { return !placement.mesh->material->needs_opacity; }
+
 }  // namespace
 
 float Walk::index_of(const Medium* medium) const {
@@ -36,21 +57,40 @@ float Walk::index_of(const Medium* medium) const {
 
 Crossing Walk::find_crossing(const PathContext& context, const Hit& hit, vec3 direction, float u_wavelength) {
   const Placement& placement = context.geometry.placement(hit.placement);
-  const MaterialData& material = *placement.mesh->material;
+  const std::vector<Body>& bodies = context.geometry.bodies();
+  const auto is_open = [&](int body) { return bodies[static_cast<std::size_t>(body)].is_open; };
   Crossing crossing;
-  if (!material.has_medium) return crossing;
-  // A body may be made of several primitives of one node.
-  crossing.body = (static_cast<std::uint64_t>(placement.node + 1) << 32) ^
-                  static_cast<std::uint64_t>(reinterpret_cast<std::uintptr_t>(&material) >> 4);
+  if (placement.body == 0) {
+    // A thin sheet may be the lid of a body that is open without it.
+    const int top = media_.top();
+    if (top == 0 || !is_open(top) || !is_back_hit(context.geometry, hit, direction)) return crossing;
+    crossing.body = top;
+    crossing.inside = media_.current();
+    return crossing;
+  }
+  const MaterialData& material = *placement.mesh->material;
+  crossing.body = placement.body;
   crossing.inside = &material.medium;
   crossing.is_entering = !is_back_hit(context.geometry, hit, direction);
-  crossing.is_hidden = !crossing.is_entering && media_.holds(crossing.body) && !media_.is_top(crossing.body);
-  const Medium* before = crossing.is_entering || media_.is_top(crossing.body) ? media_.current() : crossing.inside;
-  const Medium* beyond = crossing.is_entering           ? crossing.inside
-                         : media_.is_top(crossing.body) ? media_.below_top()
-                                                        : media_.current();
+  bool is_within = false;
+  if (!crossing.is_entering) {
+    is_within = media_.holds(crossing.body);
+    // Faces that no edge joins may yet bound one body: the way out of an open one ends the open one entered last.
+    if (!is_within) {
+      const int open = is_open(crossing.body) ? media_.last(is_open) : 0;
+      if (open != 0) {
+        crossing.body = open;
+        is_within = true;
+      }
+    }
+    const bool is_top = media_.is_top(crossing.body);
+    crossing.is_hidden = is_within ? !is_top || !is_there(placement, hit) : !is_whole(placement);
+    if (crossing.is_hidden) return crossing;
+  }
+  const Medium* before = crossing.is_entering || is_within ? media_.current() : crossing.inside;
+  const Medium* beyond = crossing.is_entering ? crossing.inside : is_within ? media_.below_top() : media_.current();
   const auto disperses = [](const Medium* m) { return m != nullptr && m->dispersion > 0.0f; };
-  if (!crossing.is_hidden && wavelength_nm_ <= 0.0f && (disperses(before) || disperses(beyond))) {
+  if (wavelength_nm_ <= 0.0f && (disperses(before) || disperses(beyond))) {
     wavelength_nm_ = shade::wavelength_sample(u_wavelength);
     throughput *= shade::wavelength_weight(wavelength_nm_);
   }
@@ -79,8 +119,7 @@ vec3 Walk::transmittance(const Crossing& crossing, bool is_beyond, float distanc
   }
   const Medium* medium = media.current();
   if (medium == nullptr || !medium->absorbs) return vec3(1.0f);
-  // An open mesh may let light in from infinity.
-  return medium->transmittance(std::min(distance, 1e15f));
+  return is_endless(distance) ? vec3(1.0f) : medium->transmittance(distance);
 }
 
 bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& sampler, RayCounts& counts,
@@ -90,7 +129,8 @@ bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& 
   if (medium == nullptr || !medium->absorbs) return true;
   const auto next = [&sampler] { return unit_float(sampler.next_hash()); };
   for (int n = 0; n < kMostScatterings; ++n) {
-    const float surface = std::min(hit ? hit.t : kInfinity, 1e15f);
+    const float surface = hit ? hit.t : kInfinity;
+    if (is_endless(surface)) return true;
     if (!medium->scatters) {
       throughput *= medium->transmittance(surface);
       return max_component(throughput) > 0.0f;

@@ -8,16 +8,27 @@ namespace candela::path {
 
 /// How a ray meets the boundary of a body.
 struct Crossing {
-  std::uint64_t body = 0;  ///< which; 0 = the surface bounds none
+  int body = 0;  ///< which; 0 = the surface bounds none
   const Medium* inside = nullptr;
   bool is_entering = false;
-  bool is_hidden = false;  ///< of a body that another one covers here: nothing happens to light
-  float eta = 1.0f;        ///< index beyond over index before
+  /// Nothing happens to light: another body covers this one here, or there is a hole in a blended surface.
+  bool is_hidden = false;
+  float eta = 1.0f;  ///< index beyond over index before
 };
 
 /// What a path carries through the scene beside its radiance: where it is, and as what colour.
 class Walk {
  public:
+  Walk() = default;
+  /// A path that begins in bodies. Radiance in matter of index n is n² times what it is in air; a camera has its lens
+  /// in air behind a port, and so sees the same there as outside.
+  explicit Walk(const MediumStack& start) : media_(start) {
+    if (const Medium* medium = start.current()) {
+      eta_scale = medium->ior * medium->ior;
+      throughput /= eta_scale;
+    }
+  }
+
   vec3 throughput{1.0f};
   /// η² of all boundaries so far: radiance rises on the way into dense matter and falls on the way out, which says
   /// nothing about how much a path is worth.
@@ -32,6 +43,8 @@ class Walk {
   /// absorbed. `scattered` is set when the direction has changed.
   bool travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& sampler, RayCounts& counts,
               bool& scattered);
+
+  bool is_in_body() const { return !media_.empty(); }
 
   /// What is left of light from a direction on the near (or far) side of a boundary over `distance`.
   vec3 transmittance(const Crossing& crossing, bool is_beyond, float distance) const;

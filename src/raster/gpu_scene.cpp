@@ -28,11 +28,11 @@ void attribute(GLuint location, GLint size, std::size_t offset, GLsizei stride) 
   glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(offset));
 }
 
-std::vector<Vertex> interleave(const Primitive& p) {
+std::vector<Vertex> interleave(const Primitive& p, vec3 middle) {
   std::vector<Vertex> vertices(p.positions.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     Vertex& v = vertices[i];
-    v.position = p.positions[i];
+    v.position = p.positions[i] - middle;
     v.normal = p.normals[i];
     v.tangent = p.tangents.empty() ? vec4(0.0f) : p.tangents[i];
     const vec2 uv0 = p.uvs[0].empty() ? vec2(0.0f) : p.uvs[0][i];
@@ -52,7 +52,7 @@ bool is_scattering(const Material& m) {
 MaterialBlock make_block(const Material& m) {
   MaterialBlock b;
   b.base_color = vec4(m.base_color, m.opacity);
-  b.emission = vec4(m.emission, m.alpha_cutoff);
+  b.emission = vec4(m.emission, drawn_cutoff(m.alpha_cutoff));
   b.metallic_roughness = {m.metallic, m.roughness, m.ior, m.specular};
   b.specular_color = vec4(m.specular_color, m.normal_scale);
   b.coat = {m.clearcoat, m.clearcoat_roughness, m.clearcoat_normal_scale, m.occlusion_strength};
@@ -188,13 +188,13 @@ void GpuScene::set_geometry(const Scene& scene) {
   primitives_.clear();
   first_primitive_.clear();
   draws_.clear();
-  bounds_ = {};
   triangle_count_ = 0;
   for (const Mesh& mesh : scene.meshes) {
     first_primitive_.push_back(primitives_.size());
     add_mesh(mesh);
   }
   first_primitive_.push_back(primitives_.size());
+  find_alpha_modes(scene);
   add_draws(scene);
   gl::check("uploading the scene");
 }
@@ -205,7 +205,8 @@ void GpuScene::add_mesh(const Mesh& mesh) {
     gpu.material = p.material;
     gpu.index_count = static_cast<GLsizei>(3 * p.triangles.size());
     for (const vec3& position : p.positions) gpu.bounds.extend(position);
-    const std::vector<Vertex> vertices = interleave(p);
+    if (!gpu.bounds.empty()) gpu.middle = 0.5f * gpu.bounds.lower + 0.5f * gpu.bounds.upper;
+    const std::vector<Vertex> vertices = interleave(p, gpu.middle);
     glBindVertexArray(gpu.attributes);
     glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(),
@@ -227,6 +228,34 @@ void GpuScene::add_mesh(const Mesh& mesh) {
   }
 }
 
+/// What the vertices of all its meshes, and the nodes that hold these, leave of a material's alpha decides how it is
+/// drawn.
+void GpuScene::find_alpha_modes(const Scene& scene) {
+  constexpr AlphaRange kNone{kInfinity, 0.0f};
+  std::vector<AlphaRange> nodes(scene.meshes.size(), kNone);
+  for (const Node& node : scene.nodes) {
+    if (node.mesh < 0) continue;
+    AlphaRange& range = nodes[static_cast<std::size_t>(node.mesh)];
+    range = {std::min(range.least, node.color.w), std::max(range.most, node.color.w)};
+  }
+  std::vector<AlphaRange> vertices(materials_.size(), kNone);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    if (nodes[m].least == kInfinity) continue;
+    for (const Primitive& p : scene.meshes[m].primitives) {
+      const auto k = static_cast<std::size_t>(p.material);
+      if (scene.materials[k].alpha_mode == AlphaMode::opaque) continue;
+      const AlphaRange range = alpha_of_vertices(p) * nodes[m];
+      vertices[k] = {std::min(vertices[k].least, range.least), std::max(vertices[k].most, range.most)};
+    }
+  }
+  for (std::size_t k = 0; k < materials_.size(); ++k) {
+    if (scene.materials[k].alpha_mode == AlphaMode::opaque || vertices[k].least == kInfinity) continue;
+    const AlphaRange range = materials_[k].alpha * vertices[k];
+    materials_[k].key.alpha_mode = drawn_mode(scene.materials[k], range);
+    materials_[k].has_opaque_part = materials_[k].is_blended() && range.most >= kOpaqueAlpha;
+  }
+}
+
 void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
   GLint alignment = 256;
   glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
@@ -237,9 +266,10 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
   for (std::size_t k = 0; k < scene.materials.size(); ++k) {
     const Material& m = scene.materials[k];
     GpuMaterial& gpu = materials_.emplace_back();
-    gpu.name = m.name;
+    gpu.name = m.name.empty() ? "material " + std::to_string(number_of(scene.materials, k)) : m.name;
     gpu.key = make_key(m, model);
     gpu.is_double_sided = m.double_sided;
+    if (m.alpha_mode != AlphaMode::opaque) gpu.alpha = alpha_of_material(scene, m);
     gpu.block = static_cast<GLintptr>(stride * k);
     const MaterialBlock block = make_block(m);
     std::memcpy(blocks.data() + gpu.block, &block, sizeof block);
@@ -261,7 +291,7 @@ GLuint GpuScene::texture_for(const Scene& scene, const TextureSource& source, Di
   if (!is_new) return entry->second;
   const TextureImage& pixels = *scene.images[static_cast<std::size_t>(source.image)];
   glBindTexture(GL_TEXTURE_2D, entry->second);
-  const std::string where = "image " + std::to_string(source.image);
+  const std::string where = "image " + std::to_string(image_number(scene, static_cast<std::size_t>(source.image)));
   int left_out = 0;
   if (pixels.bits == 16) {
     left_out = upload_words(pixels, source.is_srgb);
@@ -305,16 +335,12 @@ void GpuScene::add_draws(const Scene& scene) {
       Draw draw;
       draw.primitive = static_cast<int>(p);
       draw.node = static_cast<int>(n);
+      draw.number = number_of(scene.nodes, n);
+      if (node.color != vec4(1.0f)) {
+        materials_[static_cast<std::size_t>(primitives_[p].material)].key.has_colors = true;
+      }
       draw.part = p - first_primitive_[mesh];
       draw.is_mirrored = glm::determinant(mat3(node.world_from_node)) < 0.0f;
-      const Box3& b = primitives_[p].bounds;
-      for (int i = 0; i < 8; ++i) {
-        draw.bounds.extend(transform_point(node.world_from_node,
-                                           {(i & 1) != 0 ? b.upper.x : b.lower.x, (i & 2) != 0 ? b.upper.y : b.lower.y,
-                                            (i & 4) != 0 ? b.upper.z : b.lower.z}));
-      }
-      draw.center = draw.bounds.center();
-      bounds_.extend(draw.bounds);
       triangle_count_ += static_cast<std::uint64_t>(primitives_[p].index_count) / 3;
       draws_.push_back(draw);
     }
@@ -322,11 +348,41 @@ void GpuScene::add_draws(const Scene& scene) {
   std::stable_sort(draws_.begin(), draws_.end(), [](const Draw& a, const Draw& b) {
     return std::pair(a.primitive, a.is_mirrored) < std::pair(b.primitive, b.is_mirrored);
   });
-  std::vector<std::array<vec4, 3>> rows;
+  place_draws(scene);
+}
+
+void GpuScene::set_origin(const Scene& scene, vec3 origin) {
+  if (origin == origin_) return;
+  origin_ = origin;
+  place_draws(scene);
+}
+
+mat4 GpuScene::relative(const mat4& world_from_node) const {
+  mat4 m = world_from_node;
+  m[3] = vec4(vec3(glm::dvec3(m[3]) - glm::dvec3(origin_)), 1.0f);
+  return m;
+}
+
+void GpuScene::place_draws(const Scene& scene) {
+  bounds_ = {};
+  std::vector<std::array<vec4, 4>> rows;
   rows.reserve(draws_.size());
-  for (const Draw& draw : draws_) {
-    const mat4 transposed = glm::transpose(scene.nodes[static_cast<std::size_t>(draw.node)].world_from_node);
-    rows.push_back({transposed[0], transposed[1], transposed[2]});
+  for (Draw& draw : draws_) {
+    const GpuPrimitive& primitive = primitives_[static_cast<std::size_t>(draw.primitive)];
+    const Node& node = scene.nodes[static_cast<std::size_t>(draw.node)];
+    mat4 from_middle = node.world_from_node;
+    const glm::dvec3 middle(glm::dmat4(from_middle) * glm::dvec4(primitive.middle, 1.0));
+    from_middle[3] = vec4(vec3(middle - glm::dvec3(origin_)), 1.0f);
+    const vec3 half = 0.5f * primitive.bounds.upper - 0.5f * primitive.bounds.lower;
+    draw.bounds = {};
+    for (int i = 0; i < 8; ++i) {
+      const vec3 side((i & 1) != 0 ? 1.0f : -1.0f, (i & 2) != 0 ? 1.0f : -1.0f, (i & 4) != 0 ? 1.0f : -1.0f);
+      draw.bounds.extend(transform_point(from_middle, half * side));
+    }
+    draw.center = draw.bounds.center();
+    bounds_.extend(draw.bounds);
+    const mat4 transposed = glm::transpose(from_middle);
+    rows.push_back({transposed[0], transposed[1], transposed[2], node.color});
   }
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(rows.size() * sizeof(rows[0])), rows.data(), GL_STATIC_DRAW);
@@ -351,17 +407,30 @@ void GpuScene::bind_material(const GpuMaterial& material, const gl::Program& pro
   }
 }
 
-void GpuScene::draw(std::size_t first, std::size_t count) const {
+void GpuScene::bind_draw(std::size_t first) const {
   const Draw& d = draws_[first];
   const GpuPrimitive& p = primitives_[static_cast<std::size_t>(d.primitive)];
   glBindVertexArray(p.attributes);
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
-  for (GLuint row = 0; row < 3; ++row) {
-    attribute(5 + row, 4, first * sizeof(std::array<vec4, 3>) + row * sizeof(vec4), sizeof(std::array<vec4, 3>));
+  for (GLuint row = 0; row < 4; ++row) {
+    attribute(5 + row, 4, first * sizeof(std::array<vec4, 4>) + row * sizeof(vec4), sizeof(std::array<vec4, 4>));
     glVertexAttribDivisor(5 + row, 1);
   }
   glFrontFace(d.is_mirrored ? GL_CW : GL_CCW);
-  glDrawElementsInstanced(GL_TRIANGLES, p.index_count, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(count));
+}
+
+void GpuScene::draw(std::size_t first, std::size_t count) const {
+  bind_draw(first);
+  const GLsizei index_count = primitives_[static_cast<std::size_t>(draws_[first].primitive)].index_count;
+  glDrawElementsInstanced(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(count));
+}
+
+void GpuScene::draw(std::size_t draw, const GpuTriangles& triangles) const {
+  bind_draw(draw);
+  // The vertex array holds the primitive's own indices.
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, triangles.indices);
+  glDrawElementsInstanced(GL_TRIANGLES, triangles.index_count, GL_UNSIGNED_INT, nullptr, 1);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, primitives_[static_cast<std::size_t>(draws_[draw].primitive)].indices);
 }
 
 }  // namespace candela::raster

@@ -7,6 +7,7 @@
 
 #include "base/diagnostics.h"
 #include "gl/gl.h"
+#include "raster/opacity.h"
 #include "raster/packing.h"
 #include "raster/programs.h"
 #include "scene/scene.h"
@@ -20,7 +21,8 @@ struct GpuPrimitive {
   gl::VertexArray attributes;
   GLsizei index_count = 0;
   int material = 0;
-  Box3 bounds;  ///< in the mesh's space
+  Box3 bounds;        ///< in the mesh's space
+  vec3 middle{0.0f};  ///< of them, which vertices are relative to
 };
 
 struct GpuMaterial {
@@ -30,21 +32,35 @@ struct GpuMaterial {
   std::array<GLuint, kSlots> textures{};  ///< 0 where the slot is empty
   std::array<GLuint, kSlots> samplers{};
   bool is_double_sided = false;
+  AlphaRange alpha;              ///< of factor and texture
+  bool has_opaque_part = false;  ///< blended, and somewhere nothing shows through
 
   bool is_transmissive() const;
+  /// Whether something may show through: what is left of BLEND where it is not opaque.
+  bool is_blended() const { return key.alpha_mode == AlphaMode::blend; }
 };
 
 /// A primitive of a node.
 struct Draw {
   int primitive = 0;
   int node = 0;
+  int number = 0;        ///< of the node, as people know it
   std::size_t part = 0;  ///< which primitive of the node's mesh
   bool is_mirrored = false;
-  Box3 bounds;  ///< in the world
+  Box3 bounds;  ///< relative to the scene's origin
   vec3 center{0.0f};
 };
 
+/// Some of the triangles of a primitive, in a buffer of their own.
+struct GpuTriangles {
+  gl::Buffer indices;
+  GLsizei index_count = 0;
+};
+
 /// A scene as the driver has it. Geometry, textures and materials are uploaded once; what moves are `draws`.
+///
+/// Positions are relative to an origin near the eye, subtracted in double precision, so that floats hold what is seen
+/// however far from the world's own origin it is.
 class GpuScene {
  public:
   /// Warns of what the driver cannot hold as it is.
@@ -52,6 +68,11 @@ class GpuScene {
 
   /// Geometry of another moment of the same scene.
   void set_geometry(const Scene& scene);
+  /// Places the draws of the scene that was given last about another origin (world).
+  void set_origin(const Scene& scene, vec3 origin);
+  vec3 origin() const { return origin_; }
+  /// The same transform, to positions relative to the origin.
+  mat4 relative(const mat4& world_from_node) const;
 
   const std::vector<GpuPrimitive>& primitives() const { return primitives_; }
   const GpuMaterial& material_of(const Draw& draw) const {
@@ -59,7 +80,15 @@ class GpuScene {
   }
   /// Those of one primitive and side stand beside each other.
   const std::vector<Draw>& draws() const { return draws_; }
+  /// Relative to the origin.
   const Box3& bounds() const { return bounds_; }
+  /// Of a draw, as the scene that was given last has them.
+  const std::vector<uvec3>& triangles(const Scene& scene, std::size_t draw) const {
+    const Draw& d = draws_[draw];
+    return scene.meshes[static_cast<std::size_t>(scene.nodes[static_cast<std::size_t>(d.node)].mesh)]
+        .primitives[d.part]
+        .triangles;
+  }
   bool has_lobe(int lobe) const;
   bool has_scattering() const;
   std::uint64_t triangle_count() const { return triangle_count_; }
@@ -68,14 +97,19 @@ class GpuScene {
   void bind_material(const GpuMaterial& material, const gl::Program& program) const;
   /// Draws `count` neighbours in draws(), all of one primitive and side, with the program in use.
   void draw(std::size_t first, std::size_t count = 1) const;
+  /// Some triangles of one draw.
+  void draw(std::size_t draw, const GpuTriangles& triangles) const;
   bool are_alike(std::size_t a, std::size_t b) const {
     return draws_[a].primitive == draws_[b].primitive && draws_[a].is_mirrored == draws_[b].is_mirrored;
   }
 
  private:
   void add_mesh(const Mesh& mesh);
+  void find_alpha_modes(const Scene& scene);
   void add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
   void add_draws(const Scene& scene);
+  void place_draws(const Scene& scene);
+  void bind_draw(std::size_t first) const;
   GLuint texture_for(const Scene& scene, const TextureSource& source, Diagnostics& diagnostics);
   GLuint sampler_for(const Texture& texture);
 
@@ -83,11 +117,12 @@ class GpuScene {
   std::vector<std::size_t> first_primitive_;  ///< of each mesh
   std::vector<GpuMaterial> materials_;
   gl::Buffer material_blocks_;
-  gl::Buffer transforms_;  ///< world_from_object of each draw, three rows
+  gl::Buffer transforms_;  ///< world_from_object of each draw, three rows, and its node's colour
   std::map<TextureSource, gl::Texture> textures_;
   std::map<std::array<int, 3>, gl::Sampler> samplers_;
   std::vector<Draw> draws_;
   Box3 bounds_;
+  vec3 origin_{0.0f};
   std::uint64_t triangle_count_ = 0;
 };
 

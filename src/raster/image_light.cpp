@@ -1,12 +1,16 @@
 #include "raster/image_light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/parallel.h"
 #include "ibl/bake.h"
 #include "ibl/cube.h"
@@ -20,7 +24,7 @@ namespace candela::raster {
 namespace {
 
 constexpr int kIrradianceSize = 32;
-constexpr int kFormat = 1;  // of the cached files; counts up when the bake changes
+constexpr int kFormat = 2;  // of the cached files; counts up when the bake changes
 
 /// Faces as sharp as the map: a quarter of its width, a power of two.
 int face_size(const Environment& environment) {
@@ -31,63 +35,109 @@ int face_size(const Environment& environment) {
   return environment.map == nullptr ? 16 : size;
 }
 
-/// FNV-1a over eight bytes at a time: Fowler, Noll & Vo, as in RFC draft-eastlake-fnv.
-std::uint64_t fingerprint(std::uint64_t h, const void* data, std::size_t bytes) {
-  const auto* p = static_cast<const unsigned char*>(data);
-  for (; bytes >= 8; p += 8, bytes -= 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, p, 8);
-    h = (h ^ word) * 0x100000001b3ull;
-    h ^= h >> 29;
-  }
-  for (; bytes > 0; ++p, --bytes) h = (h ^ *p) * 0x100000001b3ull;
-  return h;
+template <class T>
+std::uint64_t fingerprint_of(std::uint64_t h, const T* data, std::size_t count) {
+  return fingerprint(std::as_bytes(std::span(data, count)), h);
 }
 
-/// The three cubes in one file: the sheen's levels and the irradiance are cubes of their own beside the first.
-struct CacheFiles {
-  std::filesystem::path specular, sheen, irradiance;
+int level_count(int size) {
+  int levels = 2;
+  while (size >> levels >= 8 && levels < 7) ++levels;
+  return levels;
+}
 
-  CacheFiles(const std::filesystem::path& folder, const std::string& key)
-      : specular(folder / (key + ".ktx2")),
-        sheen(folder / (key + ".sheen.ktx2")),
-        irradiance(folder / (key + ".irradiance.ktx2")) {}
+/// The three cubes of a light, and a file that vouches for them: its name and the fingerprint of each.
+struct CacheFiles {
+  std::filesystem::path specular, sheen, irradiance, seal;
+  std::string key;
+  bool has_sheen;
+
+  CacheFiles(const std::filesystem::path& folder, const std::string& name, bool wants_sheen)
+      : specular(folder / (name + ".ktx2")),
+        sheen(folder / (name + ".sheen.ktx2")),
+        irradiance(folder / (name + ".irradiance.ktx2")),
+        seal(folder / (name + ".seal")),
+        key(name),
+        has_sheen(wants_sheen) {}
 };
 
-Cubemap read_cube(const std::filesystem::path& path) {
-  TextureFile file = read_texture_file(path);
+constexpr std::uint64_t kMostCacheBytes = std::uint64_t{1} << 30;
+
+/// A whole file and what the seal says of it.
+struct CachedFile {
+  explicit CachedFile(const std::filesystem::path& file) : path(file), bytes(read_file(file, kMostCacheBytes)) {}
+
+  std::filesystem::path path;
+  std::vector<std::byte> bytes;
+};
+
+std::string seal_text(const CacheFiles& files, const std::vector<CachedFile>& contents) {
+  std::string text = files.key + '\n';
+  for (const CachedFile& file : contents) text += std::to_string(fingerprint(file.bytes)) + '\n';
+  return text;
+}
+
+std::vector<CachedFile> read_files(const CacheFiles& files) {
+  std::vector<CachedFile> contents;
+  contents.emplace_back(files.irradiance);
+  if (files.has_sheen) contents.emplace_back(files.sheen);
+  contents.emplace_back(files.specular);
+  return contents;
+}
+
+bool is_light(const Image& image, int size) {
+  return image.width == size && image.height == size && image.channels == 3 &&
+         std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v) && v >= 0.0f; });
+}
+
+/// A cube of `levels` from `size` on, with nothing in it that is no light. Throws Error.
+Cubemap read_cube(const CachedFile& content, int size, int levels) {
+  const std::string where = content.path.string();
+  TextureFile file = decode_texture_file(content.bytes, where);
+  if (file.levels.size() != static_cast<std::size_t>(levels)) throw Error("has other levels", where);
   Cubemap cube;
   for (std::vector<Image>& level : file.levels) {
-    if (level.size() != 6) throw Error("is no cube", path.string());
+    if (level.size() != 6) throw Error("is no cube", where);
+    for (const Image& face : level) {
+      if (!is_light(face, size)) throw Error("is not what was baked", where);
+    }
     CubeFaces faces;
     std::move(level.begin(), level.end(), faces.begin());
     cube.levels.push_back(std::move(faces));
+    size /= 2;
   }
   return cube;
 }
 
-bool read_cached(const CacheFiles& files, bool wants_sheen, BakedLight& light) {
+/// Whole, of this very light, as large as a bake of it is, and finite; else as if it were not there.
+std::optional<BakedLight> read_cached(const CacheFiles& files, const ibl::BakeSettings& settings) {
   std::error_code code;
-  if (!std::filesystem::exists(files.specular, code)) return false;
+  if (!std::filesystem::exists(files.seal, code)) return std::nullopt;
   try {
-    light.specular = read_cube(files.specular);
-    light.irradiance = read_cube(files.irradiance).levels.at(0);
-    if (wants_sheen) light.sheen = read_cube(files.sheen);
+    const std::vector<CachedFile> contents = read_files(files);
+    const CachedFile seal(files.seal);
+    const std::string text = seal_text(files, contents);
+    if (!std::ranges::equal(std::as_bytes(std::span(text)), seal.bytes)) return std::nullopt;
+    BakedLight light;
+    light.irradiance = read_cube(contents.front(), settings.irradiance_size, 1).levels.at(0);
+    if (files.has_sheen) light.sheen = read_cube(contents[1], settings.size, settings.levels);
+    light.specular = read_cube(contents.back(), settings.size, settings.levels);
+    light.is_cached = true;
+    return light;
   } catch (const std::exception&) {
-    return false;  // damaged: baked again and replaced
+    return std::nullopt;
   }
-  light.is_cached = true;
-  return true;
 }
 
 void write_cached(const CacheFiles& files, const BakedLight& light) {
   try {
     std::filesystem::create_directories(files.specular.parent_path());
     const TextureOptions options{.format = TexelFormat::rgba16f, .zstd = false};
-    // The file whose presence is asked for comes last.
     write_texture(files.irradiance, cube_of_one_level(light.irradiance), options);
-    if (!light.sheen.empty()) write_texture(files.sheen, light.sheen, options);
+    if (files.has_sheen) write_texture(files.sheen, light.sheen, options);
     write_texture(files.specular, light.specular, options);
+    // Of what the disk has; last, for without it the others do not count.
+    write_file(files.seal, seal_text(files, read_files(files)));
   } catch (const std::exception&) {
     // Another run bakes again.
   }
@@ -98,12 +148,12 @@ void write_cached(const CacheFiles& files, const BakedLight& light) {
 LightKey light_key(const Environment& environment, bool wants_sheen) {
   std::uint64_t h = 0xcbf29ce484222325ull;
   if (environment.map != nullptr) {
-    h = fingerprint(h, environment.map->pixels.data(), environment.map->pixels.size() * sizeof(float));
-    h = fingerprint(h, &environment.map->width, sizeof environment.map->width);
+    h = fingerprint_of(h, environment.map->pixels.data(), environment.map->pixels.size());
+    h = fingerprint_of(h, &environment.map->width, 1);
   }
-  h = fingerprint(h, &environment.constant, sizeof environment.constant);
-  h = fingerprint(h, &environment.intensity, sizeof environment.intensity);
-  h = fingerprint(h, &environment.rotation, sizeof environment.rotation);
+  h = fingerprint_of(h, &environment.constant, 1);
+  h = fingerprint_of(h, &environment.intensity, 1);
+  h = fingerprint_of(h, &environment.rotation, 1);
   constexpr int kDigits = 16;
   std::string text(kDigits, '0');
   for (int i = 0; i < kDigits; ++i) text[static_cast<std::size_t>(i)] = "0123456789abcdef"[h >> (60 - 4 * i) & 15u];
@@ -132,17 +182,18 @@ bool is_lit_from_far(const Environment& environment) {
 BakedLight bake_light(const Environment& environment, bool wants_sheen, const std::filesystem::path& cache) {
   Environment shadowless = environment;
   shadowless.suns.clear();
-  BakedLight light;
-  const CacheFiles files(cache, light_key(environment, wants_sheen));
-  if (!cache.empty() && read_cached(files, wants_sheen, light)) return light;
-
   ibl::BakeSettings settings;
   settings.size = face_size(environment);
-  settings.levels = 2;
-  while (settings.size >> settings.levels >= 8 && settings.levels < 7) ++settings.levels;
+  settings.levels = level_count(settings.size);
   settings.irradiance_size = std::min(kIrradianceSize, settings.size);
   settings.sheen = wants_sheen;
   settings.proof_directions = 0;
+  const CacheFiles files(cache, light_key(environment, wants_sheen), wants_sheen);
+  if (!cache.empty()) {
+    if (std::optional<BakedLight> cached = read_cached(files, settings)) return *std::move(cached);
+  }
+
+  BakedLight light;
   ibl::Bake bake = ibl::bake(ibl::make_source(shadowless), settings);
   light.specular = std::move(bake.specular);
   light.sheen = std::move(bake.sheen);
@@ -155,8 +206,7 @@ BakedLight bake_light(const Environment& environment, bool wants_sheen, const st
 BakedLight bake_light(const CubeFaces& cube, bool wants_sheen) {
   ibl::BakeSettings settings;
   settings.size = cube[0].width;
-  settings.levels = 2;
-  while (settings.size >> settings.levels >= 8 && settings.levels < 7) ++settings.levels;
+  settings.levels = level_count(settings.size);
   settings.irradiance_size = std::min(kIrradianceSize, settings.size);
   settings.sheen = wants_sheen;
   settings.proof_directions = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "ibl/source.h"
@@ -22,20 +23,18 @@ struct Entry {
   bool is_sun = false;
 };
 
-LightType type_of(const Entry& e) { return static_cast<LightType>(static_cast<int>(e.light.position.w)); }
+LightType type_of(const Entry& e) { return static_cast<LightType>(e.light.kind); }
 
 float peak(const IesProfile& profile) { return *std::max_element(profile.candela.begin(), profile.candela.end()); }
 
-Entry punctual(const Scene& scene, const Node& node, const Box3& bounds) {
+Entry punctual(const Scene& scene, const Node& node, const GpuScene& gpu) {
   const Light& light = scene.lights[static_cast<std::size_t>(node.light)];
-  const mat4& world = node.world_from_node;
+  const mat4 world = gpu.relative(node.world_from_node);
   const auto unit = [](vec3 v, vec3 otherwise) {
     const float length = glm::length(v);
     return length > 0.0f ? v / length : otherwise;
   };
-  const vec3 direction = unit(transform_vector(world, {0, 0, -1}), {0, 0, -1});
   const vec3 along = transform_vector(world, {1, 0, 0});
-  const vec3 across = unit(along - direction * glm::dot(along, direction), {1, 0, 0});
   const bool has_profile = light.type == LightType::point && light.ies >= 0;
   vec3 color = light.color * light.intensity;
   // Profiles are stored over their largest value, so that half floats hold them.
@@ -43,30 +42,32 @@ Entry punctual(const Scene& scene, const Node& node, const Box3& bounds) {
   Entry e;
   static_assert(static_cast<int>(LightType::point) == 0 && static_cast<int>(LightType::spot) == 1 &&
                 static_cast<int>(LightType::directional) == 2);
-  e.light.position = vec4(vec3(world[3]), static_cast<float>(light.type));
-  e.light.direction = vec4(direction, light.range);
-  e.light.color = vec4(color, static_cast<float>(light.falloff));
-  e.light.cone = {std::cos(light.inner_cone), std::cos(light.outer_cone), -1.0f, 0.0f};
-  e.light.polynomial = vec4(light.polynomial, has_profile ? static_cast<float>(light.ies) : -1.0f);
-  e.light.across = vec4(across, glm::determinant(mat3(world)) < 0.0f ? -1.0f : 1.0f);
+  e.light.position = vec3(world[3]);
+  e.light.kind = static_cast<int>(light.type);
+  e.light.direction = unit(transform_vector(world, {0, 0, -1}), {0, 0, -1});
+  e.light.range = light.range;
+  e.light.color = color;
+  e.light.falloff = static_cast<int>(light.falloff);
+  e.light.cos_inner = std::cos(light.inner_cone), e.light.cos_outer = std::cos(light.outer_cone);
+  e.light.polynomial = light.polynomial;
+  e.light.profile = has_profile ? light.ies : -1;
+  e.light.across = unit(along - e.light.direction * glm::dot(along, e.light.direction), {1, 0, 0});
+  e.light.handedness = glm::determinant(mat3(world)) < 0.0f ? -1.0f : 1.0f;
   e.half_angle = light.outer_cone;
-  const vec3 to_middle = bounds.empty() ? vec3(1, 0, 0) : bounds.center() - vec3(world[3]);
+  const vec3 to_middle = gpu.bounds().empty() ? vec3(1, 0, 0) : gpu.bounds().center() - e.light.position;
   e.strength = luminance(color);
-  if (light.type != LightType::directional) e.strength /= std::max(glm::dot(to_middle, to_middle), 1e-6f);
+  if (light.type != LightType::directional) e.strength /= std::max(glm::dot(to_middle, to_middle), 1e-12f);
   return e;
 }
 
 Entry sun_light(const SunDisc& sun) {
   Entry e;
-  const vec3 irradiance = sun.radiance * static_cast<float>(ibl::disc_solid_angle(sun));
-  e.light.position.w = static_cast<float>(LightType::directional);
-  e.light.direction = vec4(-sun.direction, kInfinity);
-  e.light.color = vec4(irradiance, 0.0f);
-  e.light.cone.z = -1.0f;
-  e.light.polynomial.w = -1.0f;
-  e.light.across = {1, 0, 0, 1};
-  e.light.cone.x = sun.angular_radius;
-  e.strength = luminance(irradiance);
+  e.light.kind = static_cast<int>(LightType::directional);
+  e.light.direction = -sun.direction;
+  e.light.color = sun.radiance * static_cast<float>(ibl::disc_solid_angle(sun));
+  e.light.sun_radius = std::tan(sun.angular_radius);
+  e.strength = luminance(e.light.color);
+  e.half_angle = sun.angular_radius;
   e.is_sun = true;
   return e;
 }
@@ -81,72 +82,71 @@ std::array<vec3, 8> corners(const Box3& b) {
 }
 
 mat4 light_from_world(vec3 position, vec3 direction) {
-  return glm::inverse(look_at(position, position + direction, 1.0f).world_from_camera);
+  mat4 m = glm::transpose(look_at(vec3(0.0f), direction, 1.0f).world_from_camera);
+  m[3] = m * vec4(-position, 1.0f);
+  return m;
 }
 
-/// A view along a cone from a point, whose half angle has this tangent.
-void add_cone(SceneLights& lights, vec3 position, vec3 direction, float tangent, const Box3& bounds) {
-  const mat4 from_world = light_from_world(position, direction);
-  float far = 1e-4f;
+/// Of the distance to what is farthest away, where a shadow map begins: depth is as fine at any distance from there.
+constexpr float kNearest = 1e-8f;
+
+/// A view along a cone from a point, whose half angle has this tangent. What is nearer than `least` casts no shadow.
+void add_cone(SceneLights& lights, vec3 position, vec3 direction, float tangent, const Box3& bounds, float least) {
+  float far = 0.0f;
   for (const vec3& c : corners(bounds)) far = std::max(far, glm::length(c - position));
-  const float near = 1e-3f * far;
-  const vec2 extent(tangent * near);
-  const auto i = static_cast<std::size_t>(lights.shadow_count++);
-  lights.block.shadow_from_world[i] = perspective_projection(-extent, extent, near, far) * from_world;
-  lights.block.shadow_texel[i] = {2.0f * tangent / static_cast<float>(lights.shadow_size), 1.0f, near, far};
+  ShadowEntry& shadow = lights.block.shadows[static_cast<std::size_t>(lights.shadow_count++)];
+  shadow.near = std::max({kNearest * far, least, std::numeric_limits<float>::min()});
+  shadow.far = far;
+  shadow.texel = 2.0f * tangent / static_cast<float>(lights.shadow_size);
+  shadow.is_perspective = 1;
+  mat4 projection(0.0f);
+  projection[0][0] = projection[1][1] = 1.0f / tangent;
+  projection[2][3] = -1.0f;
+  projection[3][2] = shadow.near;
+  shadow.from_world = projection * light_from_world(position, direction);
 }
 
-/// Cascades: slices of what the camera sees of the scene, each in a box along the light.
+/// A view along parallel rays into a box (light space); what casts into it may stand before it.
+void add_box(SceneLights& lights, const mat4& from_world, Box3 box) {
+  const vec3 margin = vec3(0.02f * std::max(box.size().x, box.size().y) + std::numeric_limits<float>::min());
+  box.lower -= margin, box.upper += margin;
+  const vec3 size = box.size(), center = box.center();
+  ShadowEntry& shadow = lights.block.shadows[static_cast<std::size_t>(lights.shadow_count++)];
+  shadow.near = -box.upper.z, shadow.far = -box.lower.z;
+  shadow.texel = std::max(size.x, size.y) / static_cast<float>(lights.shadow_size);
+  mat4 projection(1.0f);
+  projection[0][0] = 2.0f / size.x, projection[1][1] = 2.0f / size.y, projection[2][2] = 1.0f / size.z;
+  projection[3] = {-center.x * projection[0][0], -center.y * projection[1][1], -box.lower.z / size.z, 1.0f};
+  shadow.from_world = projection * from_world;
+}
+
+/// Cascades: slices of what the camera sees of the scene, each in a box along the light; the last holds everything.
 void add_cascades(SceneLights& lights, vec3 direction, const Box3& bounds, const FrameCamera& camera, int count) {
-  const mat4 from_world = light_from_world(bounds.center(), direction);
+  const mat4 from_world = light_from_world(vec3(0.0f), direction);
   Box3 all;
   for (const vec3& c : corners(bounds)) all.extend(transform_point(from_world, c));
-  // Distances along the view of the scene's nearest and farthest corner.
-  vec2 range(kInfinity, 0.0f);
-  for (const vec3& c : corners(bounds)) {
-    const float depth = glm::dot(camera.eye - c, camera.back);
-    range = {std::min(range.x, depth), std::max(range.y, depth)};
-  }
-  range.x = std::max(range.x, 0.02f * range.y);
-  const mat4 world_from_clip = glm::inverse(camera.clip_from_world);
-  const auto at_depth = [&](vec2 ndc, float depth) {
-    const vec4 far = world_from_clip * vec4(ndc, 1.0f, 1.0f), near = world_from_clip * vec4(ndc, -1.0f, 1.0f);
-    const vec3 a = vec3(near) / near.w, b = vec3(far) / far.w;
-    const float da = glm::dot(camera.eye - a, camera.back), db = glm::dot(camera.eye - b, camera.back);
-    return a + (b - a) * ((depth - da) / (db - da));
-  };
-  for (int slice = 0; slice < count; ++slice) {
-    Box3 box = all;
-    if (slice + 1 < count && range.y > range.x) {
-      const float near = range.x;
-      const float far =
-          range.x * std::pow(range.y / range.x, static_cast<float>(slice + 1) / static_cast<float>(count));
-      Box3 seen;
-      for (int i = 0; i < 8; ++i) {
-        const vec2 ndc((i & 1) != 0 ? 1.05f : -1.05f, (i & 2) != 0 ? 1.05f : -1.05f);
-        seen.extend(transform_point(from_world, at_depth(ndc, (i & 4) != 0 ? far : near)));
-      }
-      // What casts into the slice may lie before it along the light.
-      box.lower = vec3(glm::max(vec2(all.lower), vec2(seen.lower)), all.lower.z);
-      box.upper = vec3(glm::min(vec2(all.upper), vec2(seen.upper)), all.upper.z);
-      if (!(box.lower.x < box.upper.x && box.lower.y < box.upper.y)) box = all;
+  const float far = camera.range.far, near = std::max(camera.range.near, 1e-5f * far);
+  for (int slice = 0; slice + 1 < count; ++slice) {
+    const float end = near * std::pow(far / near, static_cast<float>(slice + 1) / static_cast<float>(count));
+    Box3 seen;
+    for (int i = 0; i < 8; ++i) {
+      const vec2 ndc((i & 1) != 0 ? 1.05f : -1.05f, (i & 2) != 0 ? 1.05f : -1.05f);
+      const vec3 corner = camera.at_depth(ndc, (i & 4) != 0 ? end : near);
+      seen.extend(transform_point(from_world, transform_point(camera.world_from_camera, corner)));
     }
-    const vec3 margin = vec3(0.02f * std::max(box.size().x, box.size().y) + 1e-6f);
-    box.lower -= margin, box.upper += margin;
-    const auto i = static_cast<std::size_t>(lights.shadow_count++);
-    lights.block.shadow_from_world[i] =
-        orthographic_projection(vec2(box.lower), vec2(box.upper), -box.upper.z, -box.lower.z) * from_world;
-    lights.block.shadow_texel[i] = {std::max(box.size().x, box.size().y) / static_cast<float>(lights.shadow_size), 0.0f,
-                                    -box.upper.z, -box.lower.z};
+    const Box3 box{glm::max(all.lower, seen.lower), glm::min(all.upper, seen.upper)};
+    const bool is_empty = !(box.lower.x < box.upper.x && box.lower.y < box.upper.y && box.lower.z <= box.upper.z);
+    add_box(lights, from_world, is_empty ? all : box);
   }
+  add_box(lights, from_world, all);
 }
 
 /// In the order in which the shader chooses a face: the axis that points from the light to the surface.
-void add_six(SceneLights& lights, vec3 position, const Box3& bounds) {
+void add_six(SceneLights& lights, vec3 position, const Box3& bounds, float least = 0.0f) {
   for (const vec3& axis :
        {vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0), vec3(0, 0, 1), vec3(0, 0, -1)}) {
     // A little more than a right angle, for filters at the edges.
-    add_cone(lights, position, axis, 1.02f, bounds);
+    add_cone(lights, position, axis, 1.02f, bounds, least);
   }
 }
 
@@ -172,11 +172,13 @@ int views_of(const Entry& e) {
 
 }  // namespace
 
-SceneLights collect_lights(const Scene& scene, const Environment& environment, const Box3& bounds,
-                           const FrameCamera& camera, LightPoint point, float radius, Diagnostics& diagnostics) {
+SceneLights collect_lights(const Scene& scene, const Environment& environment, const GpuScene& gpu,
+                           const FrameCamera& camera, LightPoint point, float radius, int more_views,
+                           Diagnostics& diagnostics) {
+  const Box3& bounds = gpu.bounds();
   std::vector<Entry> entries;
   for (const Node& node : scene.nodes) {
-    if (node.light >= 0) entries.push_back(punctual(scene, node, bounds));
+    if (node.light >= 0) entries.push_back(punctual(scene, node, gpu));
   }
   if (!environment.suns.empty()) {
     Environment suns = environment;
@@ -195,9 +197,12 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
 
   SceneLights lights;
   lights.shadow_owner.fill(-1);
+  constexpr int kMostTexels = 48 << 20;
   int wanted = 0;
   for (const Entry& e : entries) wanted += views_of(e);
-  lights.shadow_size = wanted == 0 ? 0 : wanted <= 8 ? 2048 : 1024;
+  lights.shadow_size = wanted > 0 && wanted <= 8 ? 2048 : 1024;
+  wanted = std::min(wanted + more_views, kMostShadows);
+  while (wanted * lights.shadow_size * lights.shadow_size > kMostTexels) lights.shadow_size /= 2;
   bool is_short = false;
   for (Entry& e : entries) {
     lights.has_suns |= e.is_sun;
@@ -208,18 +213,18 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
       is_short = true;
     } else {
       const bool is_directional = type_of(e) == LightType::directional;
-      const vec3 position = vec3(e.light.position) + (is_directional ? vec3(0.0f) : radius * point_of_ball(point));
-      const vec3 direction = is_directional && e.is_sun ? point_of_disc(vec3(e.light.direction), e.light.cone.x, point)
-                                                        : vec3(e.light.direction);
-      e.light.cone.z = static_cast<float>(lights.shadow_count);
-      e.light.cone.w = static_cast<float>(views);
+      const vec3 position = e.light.position + (is_directional ? vec3(0.0f) : radius * point_of_ball(point));
+      const vec3 direction =
+          is_directional && e.is_sun ? point_of_disc(e.light.direction, e.half_angle, point) : e.light.direction;
+      e.light.first_shadow = lights.shadow_count;
+      e.light.shadow_count = views;
       switch (type_of(e)) {
         case LightType::point:
           add_six(lights, position, bounds);
           break;
         case LightType::spot:
           add_cone(lights, position, direction, std::tan(0.5f * std::min(2.0f * e.half_angle, kWidestSpot)) * 1.01f,
-                   bounds);
+                   bounds, 0.0f);
           break;
         case LightType::directional:
           add_cascades(lights, direction, bounds, camera, views);
@@ -245,24 +250,25 @@ vec3 point_of_ball(LightPoint point) {
   return low * vec3(s * std::cos(phi), s * std::sin(phi), z);
 }
 
-void add_point_shadows(SceneLights& lights, vec3 position, const Box3& bounds, vec4& shape) {
-  if (bounds.empty() || lights.shadow_count + 6 > kMostShadows) return;
-  if (lights.shadow_size == 0) lights.shadow_size = 1024;
-  shape.z = static_cast<float>(lights.shadow_count);
-  shape.w = 6.0f;
-  add_six(lights, position, bounds);
-}
+int shadow_views(const AreaEntry& area) { return area.is_body != 0 ? 6 : area.has_two_sides != 0 ? 2 : 1; }
 
-void add_panel_shadows(SceneLights& lights, vec3 center, vec3 normal, bool has_two_sides, const Box3& bounds,
-                       vec4& shape) {
+bool add_area_shadows(SceneLights& lights, AreaEntry& area, vec3 from, const Box3& bounds) {
   constexpr float kWide = 4.5f;  // tangent of half of 155 degrees
-  const int sides = has_two_sides ? 2 : 1;
-  if (bounds.empty() || lights.shadow_count + sides > kMostShadows) return;
-  if (lights.shadow_size == 0) lights.shadow_size = 1024;
-  shape.z = static_cast<float>(lights.shadow_count);
-  shape.w = static_cast<float>(sides);
-  add_cone(lights, center, normal, kWide, bounds);
-  if (has_two_sides) add_cone(lights, center, -normal, kWide, bounds);
+  const int views = shadow_views(area);
+  if (bounds.empty()) return true;
+  if (lights.shadow_count + views > kMostShadows) return false;
+  area.first_shadow = lights.shadow_count;
+  area.shadow_count = views;
+  // What touches a lamp is part of it.
+  const float least = 1e-3f * area.radius;
+  if (area.is_body != 0) {
+    add_six(lights, from, bounds, least);
+  } else {
+    const vec3 normal = glm::normalize(glm::cross(area.corner_1 - area.corner_0, area.corner_2 - area.corner_0));
+    add_cone(lights, from, normal, kWide, bounds, least);
+    if (views == 2) add_cone(lights, from, -normal, kWide, bounds, least);
+  }
+  return true;
 }
 
 gl::Texture upload_profiles(const Scene& scene) {

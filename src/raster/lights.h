@@ -6,6 +6,7 @@
 #include "gl/gl.h"
 #include "raster/blocks.h"
 #include "raster/camera.h"
+#include "raster/gpu_scene.h"
 #include "scene/scene.h"
 
 namespace candela::raster {
@@ -27,20 +28,23 @@ struct SceneLights {
 /// shadow becomes that of the whole.
 using LightPoint = vec3;
 
-/// `bounds` is what casts and receives shadows, `camera` decides where the cascades of directional lights lie, `point`
-/// where within suns, and in balls of `radius` about points and spots, shadows are cast from. The strongest lights come
-/// first; those beyond kMostLights are left out with a warning, shadows beyond kMostShadows likewise.
-SceneLights collect_lights(const Scene& scene, const Environment& environment, const Box3& bounds,
-                           const FrameCamera& camera, LightPoint point, float radius, Diagnostics& diagnostics);
+/// `gpu` is what casts and receives shadows, whose origin positions are relative to, `camera` decides where the
+/// cascades of directional lights lie, `point` where within suns, and in balls of `radius` about points and spots,
+/// shadows are cast from. The strongest lights come first; those beyond kMostLights are left out with a warning,
+/// shadows beyond kMostShadows likewise. Others will want `more_views` of them.
+SceneLights collect_lights(const Scene& scene, const Environment& environment, const GpuScene& gpu,
+                           const FrameCamera& camera, LightPoint point, float radius, int more_views,
+                           Diagnostics& diagnostics);
 
 /// A point of the unit ball whose distribution looks from everywhere like an even disc; 0 for the middle.
 vec3 point_of_ball(LightPoint point);
 
-/// Views from a point to all sides, and from a panel to its front or to both sides, as far as there is room for them.
-/// `shape` is that of an AreaEntry, whose z and w become the first and the count.
-void add_point_shadows(SceneLights& lights, vec3 position, const Box3& bounds, vec4& shape);
-void add_panel_shadows(SceneLights& lights, vec3 center, vec3 normal, bool has_two_sides, const Box3& bounds,
-                       vec4& shape);
+/// How many shadow maps an area light wants.
+int shadow_views(const AreaEntry& area);
+
+/// Shadow maps of an area light, seen from a point of it: from a body to all sides, from a panel to its front or to
+/// both sides. False where there is no room for them.
+bool add_area_shadows(SceneLights& lights, AreaEntry& area, vec3 from, const Box3& bounds);
 
 /// The IES profiles of a scene as layers of one texture: horizontal angle by vertical angle, candela.
 gl::Texture upload_profiles(const Scene& scene);

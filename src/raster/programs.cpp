@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "raster/opacity.h"
 #include "raster/shader_files.h"
 #include "shade/surface_params.glsl.h"
 
@@ -16,7 +17,7 @@ namespace candela::raster {
 namespace {
 
 constexpr std::size_t kHeightSlot = kSlots - 1;
-constexpr std::size_t kMostLightSamplers = 10;  // of a shader for surfaces, besides its material's
+constexpr std::size_t kMostLightSamplers = 12;  // of a shader for surfaces, besides its material's
 const std::string kMeshFragment = "mesh.frag.glsl";
 constexpr std::array<const char*, kSlots> kSlotNames = {"base_color",
                                                         "metallic_roughness",
@@ -86,6 +87,15 @@ std::string model_text(const shade::ShadingModel& m) {
          define("MODEL_LITERAL_LAYERS", m.literal_layers ? 1 : 0);
 }
 
+/// Where a blended surface is opaque, and where it is none; between them lies what blended passes draw. What is nearly
+/// whole is drawn by both, so that none of it falls between two roundings.
+std::string blend_text() {
+  return define("ALPHA_BLEND") +
+         fmt::format("#define kOpaqueAlpha {:.6f}\n#define kWholeAlpha {:.6f}\n", kOpaqueAlpha,
+                     0.25f * kOpaqueAlpha + 0.75f) +
+         "#define kLeastAlpha 0.001\n";
+}
+
 std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const shade::ShadingModel& model) {
   std::string text = slots_text(key, key.slots) + channels_text(key.channels) + define("LOBES", key.lobes) +
                      define("kMostLights", kMostLights) + define("kMostShadows", kMostShadows) +
@@ -94,7 +104,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
     if (is_wanted) text += define(name);
   };
   const auto has = [&key](int lobe) { return (key.lobes & lobe) != 0; };
-  if (has(shade::kLobeModel)) text += model_text(model);
+  text += has(shade::kLobeModel) ? model_text(model) : define("SHADE_DEFAULT_MODEL");
   add(key.has_tangents, "HAS_TANGENT");
   add(key.has_colors, "HAS_COLOR");
   add(key.has_body, "HAS_BODY");
@@ -110,7 +120,11 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(has(shade::kLobeClearcoat), "HAS_COAT");
   add(key.alpha_mode == AlphaMode::mask, "ALPHA_MASK");
   add(key.alpha_mode == AlphaMode::mask && pass.has_coverage, "ALPHA_TO_COVERAGE");
-  add(key.alpha_mode == AlphaMode::blend, "ALPHA_BLEND");
+  if (key.alpha_mode == AlphaMode::blend) {
+    text += blend_text();
+    add(pass.blend_part == BlendPart::opaque, "OPAQUE_PART");
+    add(pass.blend_part == BlendPart::rest, "BLENDED_PART");
+  }
   add(pass.has_lights, "HAS_LIGHTS");
   add(pass.has_far_light, "HAS_FAR_LIGHT");
   add(pass.has_sheen_light, "HAS_SHEEN_LIGHT");
@@ -120,6 +134,9 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(pass.has_probes, "HAS_PROBES");
   add(pass.has_soft_shadows, "HAS_SOFT_SHADOWS");
   add(pass.has_scattering, "HAS_SCATTERING");
+  add(pass.has_through, "HAS_THROUGH");
+  add(pass.has_veils, "HAS_VEILS");
+  add(pass.is_in_body && !is_of_surface(pass.quantity), "IN_BODY");
   add(key.is_emissive, "IS_EMISSIVE");
   if (is_of_surface(pass.quantity)) {
     // "base-color" is SHOW_base_color.
@@ -215,24 +232,31 @@ SurfaceProgram Programs::compile_mesh(MaterialKey material, const PassKey& pass)
 }
 
 const SurfaceProgram& Programs::mesh(const MaterialKey& material, const PassKey& pass) {
-  SurfaceProgram& program = mesh_[{material, pass}];
-  if (program.program == nullptr) program = compile_mesh(material, pass);
+  PassKey key = pass;
+  if (material.alpha_mode != AlphaMode::blend) key.blend_part = BlendPart::all;
+  SurfaceProgram& program = mesh_[{material, key}];
+  if (program.program == nullptr) program = compile_mesh(material, key);
   return program;
 }
 
-const gl::Program& Programs::depth(const MaterialKey& material) {
-  // All but the mask is the same to a shadow.
+const gl::Program& Programs::depth(const MaterialKey& material, DepthPass pass, bool is_shadow) {
+  // All but alpha is the same to a shadow.
   MaterialKey key;
-  key.alpha_mode = material.alpha_mode == AlphaMode::mask ? AlphaMode::mask : AlphaMode::opaque;
-  if (key.alpha_mode == AlphaMode::mask) {
+  key.alpha_mode = material.alpha_mode;
+  if (key.alpha_mode != AlphaMode::opaque) {
     key.slots = material.slots & (1u << base_color_slot);
     key.is_plain_uv = material.is_plain_uv;
   }
-  std::unique_ptr<gl::Program>& program = depth_[key];
+  std::unique_ptr<gl::Program>& program = depth_[{key, pass, is_shadow}];
   if (program == nullptr) {
-    const bool is_mask = key.alpha_mode == AlphaMode::mask;
-    program = compile("depth.vert.glsl", "depth.frag.glsl",
-                      slots_text(key, key.slots) + (is_mask ? define("ALPHA_MASK") : ""), false);
+    std::string text = slots_text(key, key.slots);
+    if (key.alpha_mode == AlphaMode::mask) text += define("ALPHA_MASK");
+    if (key.alpha_mode == AlphaMode::blend) text += blend_text();
+    if (pass == DepthPass::solid) text += define("OPAQUE_PART");
+    if (pass == DepthPass::next_layer) text += define("BEYOND_LAST_LAYER");
+    if (pass == DepthPass::first_veil || pass == DepthPass::passing_veil) text += define("HAS_PASSING");
+    if (is_shadow) text += define("IS_SHADOW");
+    program = compile("depth.vert.glsl", "depth.frag.glsl", text, false);
   }
   return *program;
 }
@@ -241,6 +265,10 @@ const gl::Program& Programs::fullscreen(const std::string& fragment, const std::
   std::unique_ptr<gl::Program>& program = fullscreen_[{fragment, preamble}];
   if (program == nullptr) program = compile("fullscreen.vert.glsl", fragment, preamble, false);
   return *program;
+}
+
+const gl::Program& Programs::occlusion(bool has_culled) {
+  return fullscreen("occlusion.frag.glsl", has_culled ? define("HAS_CULLED") : "");
 }
 
 const gl::Program& Programs::background(bool has_panorama, int sun_count) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <future>
+#include <limits>
 
 #include "base/parallel.h"
 #include "gl/gl.h"
@@ -18,6 +19,7 @@ namespace {
 
 class Stopwatch {
  public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - last_).count(); }
   /// Seconds since the last call.
   double lap() {
     const auto now = Clock::now();
@@ -54,17 +56,6 @@ LightPoint light_point(int i, int frames) {
   return point;
 }
 
-/// Whether emissive surfaces are the only light there is.
-bool only_glows(const Scene& scene, const Environment& environment) {
-  const bool has_lamp =
-      std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.light >= 0; });
-  // By a texture, whose lamps nobody finds; what glows evenly is a light.
-  const bool glows = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-    return max_component(m.emission) > 0.0f && m.emissive_texture && !m.unlit;
-  });
-  return glows && !has_lamp && !is_lit_from_far(environment) && environment.suns.empty();
-}
-
 /// cos⁴ of the angle to the axis, as far as the lens has it.
 void apply_vignetting(const View& view, Image& image) {
   const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
@@ -85,9 +76,12 @@ void apply_vignetting(const View& view, Image& image) {
 
 std::uint64_t picture_bytes(const Settings& settings) {
   const auto pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
-  // Colour of half floats and depth per sample, two resolved pictures with mips, three copies in floats, the layers.
+  // Colour of half floats and depth per sample, two resolved pictures with mips, twelve depths where something is
+  // blended, three copies in floats, the layers.
   const auto samples = static_cast<std::uint64_t>(settings.msaa);
-  return pixels * (samples * 12 + 24 + 48 + film_bytes_per_pixel(settings.layers));
+  const std::uint64_t through =
+      settings.background == Background::transparent && !settings.environment_in_glass ? samples * 8 + 8 + 48 : 0;
+  return pixels * (samples * 12 + 24 + 48 + 48 + through + film_bytes_per_pixel(settings.layers));
 }
 
 struct Session::Parts {
@@ -112,8 +106,9 @@ namespace {
 
 /// Brings directions and lengths to where a picture can show them: directions from −1 … 1 to 0 … 1, positions and
 /// depths over the scene's size, an object's number to a colour of its own.
+/// Positions and `bounds` are relative to the same origin.
 void show_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
-  const vec3 size = glm::max(bounds.size(), vec3(1e-6f));
+  const vec3 size = glm::max(bounds.size(), vec3(std::numeric_limits<float>::min()));
   const auto shown = [&](vec3 v) {
     switch (quantity) {
       case Quantity::normal:
@@ -140,11 +135,48 @@ void show_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
   }
 }
 
-/// The mean of a view's frames.
+/// Tells how far the work is, and knows when it has to end.
+class Watcher {
+ public:
+  Watcher(const Callbacks& callbacks, std::size_t pictures, int frames)
+      : callbacks_(callbacks), pictures_(pictures), frames_(frames) {}
+
+  bool must_stop() const { return callbacks_.stop != nullptr && callbacks_.stop->load(); }
+
+  void tell(std::size_t picture, int frame) {
+    constexpr double kTellEvery = 0.1;  // seconds
+    const double now = since_start_.seconds();
+    if (!callbacks_.progress || now < next_s_) return;
+    next_s_ = now + kTellEvery;
+    const double done = static_cast<double>(picture) + static_cast<double>(frame) / frames_;
+    callbacks_.progress({picture, pictures_, frame, done / static_cast<double>(pictures_), now});
+  }
+
+ private:
+  const Callbacks& callbacks_;
+  std::size_t pictures_;
+  int frames_;
+  Stopwatch since_start_;
+  double next_s_ = 0.0;
+};
+
+/// What shows through is what nothing covers, and `glass` of what is covered.
+void add_open(Image glass, Film& film) {
+  for (std::size_t i = 0; i < glass.pixels.size(); i += 4) {
+    const float coverage = film.beauty.pixels[i + 3];
+    for (std::size_t c = 0; c < 3; ++c) glass.pixels[i + c] += 1.0f - coverage;
+    glass.pixels[i + 3] = coverage;
+  }
+  set_through(std::move(glass), film);
+}
+
+/// The mean of a view's frames, or of those that are drawn when it has to end.
 Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const MomentOf& moment,
-               const Settings& settings, Statistics& s) {
+               const Settings& settings, Watcher& watcher, Statistics& s) {
   Film film;
   film.beauty = Image(settings.width, settings.height, 4);
+  Image through;
+  int drawn = 0;
   for (int frame = 0; frame < settings.frames; ++frame) {
     const bool is_still = settings.frames > 1;
     const vec4 u = lattice_point(frame);
@@ -163,7 +195,12 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
     glFinish();
     s.draw_s += drawing.lap();
     const Image picture = renderer.read();
+    const Image behind = renderer.read_through();
     const float share = 1.0f / static_cast<float>(settings.frames);
+    if (frame == 0) through = Image(behind.width, behind.height, behind.channels);
+    for (std::size_t i = 0; i < behind.pixels.size(); ++i) {
+      if (std::isfinite(behind.pixels[i])) through.pixels[i] += share * behind.pixels[i];
+    }
     for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
       const float* p = picture.pixels.data() + i;
       const bool is_good = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]) && std::isfinite(p[3]);
@@ -174,7 +211,20 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
         for (int c = 0; c < 4; ++c) film.beauty.pixels[i + static_cast<std::size_t>(c)] = judged[c];
       }
     }
+    watcher.tell(picture_index, ++drawn);
+    if (drawn < settings.frames && watcher.must_stop()) {
+      s.interrupted = true;
+      break;
+    }
   }
+  s.frames += drawn;
+  if (drawn < settings.frames && settings.quantity != Quantity::non_finite) {
+    const float rest = static_cast<float>(settings.frames) / static_cast<float>(drawn);
+    for (Image* image : {&film.beauty, &through}) {
+      for (float& v : image->pixels) v *= rest;
+    }
+  }
+  if (!through.empty()) add_open(std::move(through), film);
   apply_vignetting(view, film.beauty);
   show_numbers(settings.quantity, renderer.scene().bounds(), film.beauty);
   if (settings.quantity == Quantity::luminance) {
@@ -192,7 +242,8 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
 
 void Session::draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
                    const Settings& settings, Diagnostics& diagnostics,
-                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics, const MomentOf& moment) {
+                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics, const MomentOf& moment,
+                   const Callbacks& callbacks) {
   Statistics ignored;
   Statistics& s = statistics != nullptr ? *statistics : ignored;
   Stopwatch watch;
@@ -210,17 +261,14 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
     }
     s.light_s = baking.lap();
   };
-  if (only_glows(scene, environment)) {
-    diagnostics.warn("only what glows in it lights the scene, which the path tracer can show and this engine cannot",
-                     scene.name);
-  }
   std::future<void> baked = std::async(std::launch::async, bake);
   Settings used = settings;
   if (is_of_surface(used.quantity)) used.msaa = 1;  // numbers of two surfaces have no mean
   Renderer renderer(scene, environment, used, diagnostics);
   glFinish();
   s.upload_s = watch.lap();
-  for (std::size_t i = 0; i < views.size(); ++i) {
+  Watcher watcher(callbacks, views.size(), settings.frames);
+  for (std::size_t i = 0; i < views.size() && !s.interrupted; ++i) {
     watch.lap();
     renderer.begin(views[i]);
     glFinish();
@@ -235,23 +283,23 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
       renderer.set_probes(parts_->probes);
       watch.lap();
     }
-    Film film = draw_view(renderer, views[i], i, moment, settings, s);
+    Film film = draw_view(renderer, views[i], i, moment, settings, watcher, s);
     s.frame_s += watch.lap();
     take(i, std::move(film));
+    if (i + 1 < views.size() && watcher.must_stop()) s.interrupted = true;
   }
-  s.frames = settings.frames * static_cast<int>(views.size());
   s.programs = static_cast<int>(renderer.programs().count());
   s.triangles = renderer.scene().triangle_count();
   s.draws = renderer.scene().draws().size();
 }
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
-            Diagnostics& diagnostics, Statistics* statistics) {
+            Diagnostics& diagnostics, Statistics* statistics, const Callbacks& callbacks) {
   Film film;
   Session session;
   session.draw(
       scene, environment, {view}, settings, diagnostics, [&film](std::size_t, Film drawn) { film = std::move(drawn); },
-      statistics);
+      statistics, {}, callbacks);
   return film;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -31,6 +32,8 @@ struct Settings {
   /// How far away surfaces occlude what comes from the environment, over the diagonal of the scene; 0 = they do not.
   float occlusion_radius = 0.0f;
   Background background = Background::environment;
+  /// Of another background: glass shows the environment behind it all the same.
+  bool environment_in_glass = false;
   Ambient ambient = Ambient::baked;
   /// Shadows that soften with the distance from what casts them: of suns and area lights by their own size, of points
   /// and spots by `light_radius`.
@@ -45,8 +48,23 @@ struct Settings {
   std::string shader_folder{};    ///< read instead of the shaders in the program; empty = those
 };
 
+struct Progress {
+  std::size_t picture = 0;  ///< that is drawn
+  std::size_t pictures = 1;
+  int frame = 0;          ///< of that picture: drawn so far
+  double fraction = 0.0;  ///< of the work
+  double seconds = 0.0;   ///< since the first frame began
+};
+
+struct Callbacks {
+  std::function<void(const Progress&)> progress;  ///< called from the drawing thread, some times a second at most
+  /// Set to end early: the picture at hand is the mean of its frames so far, at least of one; no other is begun.
+  const std::atomic<bool>* stop = nullptr;
+};
+
 struct Statistics {
   std::string driver;
+  bool interrupted = false;  ///< by `Callbacks::stop`, with frames or pictures left
   bool is_light_cached = false;
   double open_s = 0.0;    ///< the context
   double light_s = 0.0;   ///< baking or reading the environment, beside what follows
@@ -55,7 +73,7 @@ struct Statistics {
   double compile_s = 0.0;  ///< the first frame, which nobody sees
   double frame_s = 0.0;    ///< all frames, reading back included
   double draw_s = 0.0;     ///< of that until the driver has finished drawing
-  int frames = 0;
+  int frames = 0;          ///< of all pictures
   int programs = 0;
   std::uint64_t triangles = 0;
   std::uint64_t draws = 0;
@@ -89,7 +107,7 @@ class Session {
   /// the driver refuses a shader or runs out of memory.
   void draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
             const Settings& settings, Diagnostics& diagnostics, const std::function<void(std::size_t, Film)>& take,
-            Statistics* statistics = nullptr, const MomentOf& moment = {});
+            Statistics* statistics = nullptr, const MomentOf& moment = {}, const Callbacks& callbacks = {});
 
  private:
   struct Parts;
@@ -98,7 +116,7 @@ class Session {
 
 /// One picture, by a Session of its own. Throws Error.
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
-            Diagnostics& diagnostics, Statistics* statistics = nullptr);
+            Diagnostics& diagnostics, Statistics* statistics = nullptr, const Callbacks& callbacks = {});
 
 /// Most bytes of main memory that the picture takes while it is drawn by a processor.
 std::uint64_t picture_bytes(const Settings& settings);

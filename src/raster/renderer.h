@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <set>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "image/develop.h"
 #include "raster/areas.h"
 #include "raster/camera.h"
+#include "raster/depth_range.h"
 #include "raster/gpu_scene.h"
 #include "raster/image_light.h"
 #include "raster/lights.h"
@@ -32,10 +34,13 @@ class Renderer {
   /// and frames are many, each time with another `point` of them.
   void begin(const View& view, LightPoint point = LightPoint(0.5f));
   bool has_extended_lights() const;
-  /// Draws one frame; see frame_camera for `jitter` and `aperture`.
+  /// Draws one frame of the view that begin() was given; see frame_camera for `jitter` and `aperture`.
   void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f));
   /// The last frame: linear, 4 channels, premultiplied, row 0 at the top.
   Image read();
+  /// What a background would be multiplied by where glass shows it, over what alpha lets through: 4 channels of the
+  /// last frame, or nothing where glass does not show it.
+  Image read_through();
   /// Shows the last frame in the framebuffer of a window of `size` pixels.
   void present(ivec2 size, float exposure, ToneCurve tone_curve);
   /// Frames of another size from here on.
@@ -55,6 +60,9 @@ class Renderer {
     gl::Texture specular, diffuse, sheen;
   };
 
+  /// Which of the blended surfaces are drawn where there is glass: all, those before it or the others.
+  enum class GlassSide { any, before, not_before };
+
   /// A picture to draw into.
   struct Target {
     gl::Framebuffer framebuffer;
@@ -69,16 +77,34 @@ class Renderer {
   void bind_light(const gl::Program& program) const;
   void tell_left_out(const GpuMaterial& material, std::uint32_t slots);
   void find_area_lights(Diagnostics& diagnostics);
+  View relative(View view) const;
   void draw_shadows();
-  void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_masks);
+  void draw_casters(int layer);
+  /// Ready to draw into a shadow map.
+  static void use_shadow_program(const gl::Program& program, const ShadowEntry& shadow);
+  void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_cut_out);
   void draw_scattering(const FrameCamera& camera);
   void draw_background(const FrameCamera& camera);
+  bool draw_culled(const std::vector<std::size_t>& opaque, const FrameCamera& camera);
+  /// Whether to the eye a material has both sides.
+  bool has_both_sides(const GpuMaterial& material) const;
+  bool casts_veil(const GpuMaterial& material) const;
+  void draw_veils();
+  bool draw_layer(std::vector<std::size_t> order, const mat4& clip_from_world, DepthPass pass, GLenum culled,
+                  GLuint last_layer = 0, const ShadowEntry* shadow = nullptr);
+  void make_depth_layers();
+  void attach_depth_layer(int layer);
+  void find_depth_layers(const std::vector<std::size_t>& transmissive, const std::vector<std::size_t>& blended,
+                         const FrameCamera& camera);
+  int find_slices(const std::vector<std::size_t>& blended, const FrameCamera& camera);
+  void draw_blended(const std::vector<std::size_t>& blended, PassKey pass, const FrameCamera& camera, GlassSide side);
   /// Draws those of `order` with the programs of `pass`.
   void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
   void bind_probe(std::size_t draw, const gl::Program& program);
   void draw_quantity(Quantity quantity, const FrameCamera& camera);
   void draw_some(std::size_t first, std::size_t count, const PassKey& pass);
   void resolve(GLuint framebuffer);
+  void resolve_through();
 
   const Scene* scene_;
   const Environment& environment_;
@@ -88,9 +114,13 @@ class Renderer {
   GpuScene gpu_;
   std::vector<GpuProbe> probes_;
   SceneLights lights_;
-  bool is_moved_light_ = false;    ///< shadows are seen from a point of each light that was not the middle
-  std::vector<AreaLight> areas_;   ///< of the scene as it stands
-  std::vector<int> area_of_draw_;  ///< which area light a draw is, -1 none
+  bool is_moved_light_ = false;   ///< shadows are seen from a point of each light that was not the middle
+  std::vector<AreaLight> areas_;  ///< of the scene as it stands
+  std::vector<int> own_areas_;    ///< of each draw; bit i: area light i is part of it
+  /// What of a draw is not part of an area light that it is part of: it casts shadows in its light.
+  std::map<std::pair<int, std::size_t>, GpuTriangles> beside_lamps_;
+  DepthRange range_;  ///< of the view that begin() was given
+  float sky_ = 0.0f;  ///< mean luminance from far away
   bool is_begun_ = false;
   Diagnostics told_;  ///< warnings that were given before
   std::set<GLintptr> told_materials_;
@@ -100,15 +130,29 @@ class Renderer {
   int light_levels_ = 1;
   int picture_levels_ = 1;
   gl::Texture table_, ggx_table_, specular_, diffuse_, sheen_, profiles_, shadows_, panorama_;
-  gl::Texture depth_map_;
+  gl::Texture depth_map_, culled_map_;
   std::array<gl::Texture, 2> visibility_;  ///< as found, and its mean
-  gl::Framebuffer depth_framebuffer_;
+  gl::Framebuffer depth_framebuffer_, culled_framebuffer_;
   std::array<gl::Framebuffer, 2> visibility_framebuffer_;
   bool has_scattering_ = false;           ///< something in the scene spreads light, and the picture shows it
   std::array<gl::Texture, 2> scattered_;  ///< light that spreads, and how wide
   std::array<gl::Renderbuffer, 2> scattered_samples_;
   std::array<gl::Framebuffer, 2> scattered_framebuffer_;
+  bool has_veils_ = false;                 ///< blended surfaces dim the lamps of the frame
+  int body_ = -1;                          ///< the material of the body that the eye is in
+  int slice_count_ = 0;                    ///< of the frame's blended surfaces
+  bool is_slice_deep_ = false;             ///< several surfaces may lie in the slice that is drawn
+  bool has_glass_before_blended_ = false;  ///< or behind it
+  glm::ivec4 slice_{-1};                   ///< which of them is drawn, as the shader has it
+  glm::ivec3 layers_size_{0};              ///< of depth_layers_
+  gl::Texture veils_, veil_depth_, depth_layers_;
+  std::array<gl::Texture, 2> last_layers_;
+  gl::Framebuffer veil_framebuffer_, copy_framebuffer_, layer_framebuffer_;
   gl::Sampler depth_sampler_;  ///< reads shadow maps without comparing
+  bool has_through_ = false;   ///< glass shows a background that is not in the picture
+  gl::Texture through_;
+  gl::Renderbuffer through_samples_;
+  gl::Framebuffer through_framebuffer_;
   gl::Texture resolved_, opaque_picture_;
   gl::Framebuffer resolved_framebuffer_, picture_framebuffer_, shadow_framebuffer_;
   gl::Buffer frame_block_, lights_block_;

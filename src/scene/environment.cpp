@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 
 #include "base/error.h"
-#include "image/image_file.h"
+#include "base/memory.h"
+#include "image/cube_panorama.h"
 #include "scene/builtin_environment.h"
 
 namespace candela {
@@ -24,23 +27,35 @@ float parse_sun_elevation(const std::string& name) {
   return value;
 }
 
-Environment load_environment(const std::filesystem::path& path) {
-  const Image file = read_image(path);
-  const std::string where = path.string();
-  check_panorama(file, where);
+/// A panorama of the same energy, with four texels around for each of a face.
+Image panorama_of_cube(const CubeFaces& faces, const std::string& where) {
+  constexpr std::uint64_t kPerTexel = 3 * sizeof(dvec3) + sizeof(vec3);  // what the conversion holds
+  const int width = 4 * faces[0].width;
+  const auto texels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(width / 2);
+  require_memory(texels * kPerTexel, available_memory(), "a cube map as an environment", where);
+  return equirect_from_cube(faces, width);
+}
 
-  auto map = std::make_shared<Image>(file.width, file.height, 3);
-  for (int y = 0; y < file.height; ++y) {
-    for (int x = 0; x < file.width; ++x) {
-      const vec3 rgb = file.rgb(x, y);
-      if (!is_finite(rgb) || rgb.x < 0.0f || rgb.y < 0.0f || rgb.z < 0.0f)
-        throw Error("pixel " + std::to_string(x) + "," + std::to_string(y) + " is negative or not finite", where);
-      map->set_rgb(x, y, rgb);
-    }
+Image without_alpha(Image image) {
+  if (image.channels == 3) return image;
+  Image result(image.width, image.height, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) result.set_rgb(x, y, image.rgb(x, y));
+  return result;
+}
+
+Environment load_environment(const std::string& path, Diagnostics* diagnostics) {
+  EnvironmentFile file = read_clean_environment(path);
+  if (file.cube.empty()) {
+    check_panorama(file.panorama, path);
+  } else {
+    file.panorama = panorama_of_cube(file.cube.levels[0], path);
   }
+  if (diagnostics != nullptr)
+    for (Diagnostic& warning : file.warnings) diagnostics->warn(std::move(warning.message), std::move(warning.where));
   Environment environment;
-  environment.name = path.filename().string();
-  environment.map = std::move(map);
+  environment.name = std::filesystem::path(path).filename().string();
+  environment.map = std::make_shared<Image>(without_alpha(std::move(file.panorama)));
   return environment;
 }
 
@@ -91,7 +106,7 @@ void check_panorama(const Image& image, const std::string& where) {
                 where);
 }
 
-Environment make_environment(const std::string& name_or_path) {
+Environment make_environment(const std::string& name_or_path, Diagnostics* diagnostics) {
   if (name_or_path == "none") return {};
   if (name_or_path == "furnace") {
     Environment environment;
@@ -103,7 +118,7 @@ Environment make_environment(const std::string& name_or_path) {
   if (name_or_path == "studio") return detail::make_studio();
   if (name_or_path == "sky") return detail::make_sky(kDefaultSunElevation);
   if (name_or_path.starts_with("sky:")) return detail::make_sky(parse_sun_elevation(name_or_path));
-  return load_environment(name_or_path);
+  return load_environment(name_or_path, diagnostics);
 }
 
 vec3 environment_radiance(const Environment& environment, vec3 d) {

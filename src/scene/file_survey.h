@@ -16,6 +16,7 @@ struct FileSurvey {
     int bits = 8;                ///< per channel
     bool has_alpha = false;      ///< a channel of its own, or transparent colours of a PNG
     std::string error;           ///< why it cannot be read, with its place; empty = it can
+    int file_index = -1;
   };
 
   struct Primitive {

@@ -30,6 +30,10 @@ bool is_ascending_within(const std::vector<float>& list, float low, float high) 
 }  // namespace
 
 bool is_valid(const IesProfile& p) {
+  const mat3 square = glm::transpose(p.web_from_light) * p.web_from_light;
+  bool is_rotation = glm::determinant(p.web_from_light) > 0.0f;
+  for (int i = 0; i < 3; ++i) is_rotation &= glm::length(square[i] - mat3(1.0f)[i]) < 1e-5f;
+  if (!is_rotation) return false;
   const bool is_round = p.horizontal_deg.size() == 1 && p.horizontal_deg[0] == 0.0f;
   const bool is_full = p.horizontal_deg.size() > 1 && is_ascending_within(p.horizontal_deg, 0.0f, 360.0f) &&
                        p.horizontal_deg.front() == 0.0f && p.horizontal_deg.back() == 360.0f;
@@ -38,7 +42,8 @@ bool is_valid(const IesProfile& p) {
          std::all_of(p.candela.begin(), p.candela.end(), [](float c) { return c >= 0.0f && std::isfinite(c); });
 }
 
-float ies_intensity(const IesProfile& p, vec3 d) {
+float ies_intensity(const IesProfile& p, vec3 local_direction) {
+  const vec3 d = p.web_from_light * local_direction;
   // atan2 keeps the digits that acos loses near the axis, where lamps are aimed at.
   const float vertical = degrees(std::atan2(std::sqrt(d.x * d.x + d.y * d.y), -d.z));
   // A few ulp past an edge of the table are the edge: 180° comes out of atan2 rounded either way.

@@ -7,11 +7,13 @@
 
 namespace candela {
 
-/// Luminous intensity of a lamp in every direction, as measured (ANSI/IES LM-63, type C) and laid out in full: whoever
-/// reads a file unfolds its symmetries. In the light's own space the vertical angle 0 is -z and 180° +z, the horizontal
-/// angle 0 is +x and 90° +y (EXT_lights_ies).
+/// Luminous intensity of a lamp in every direction, as measured (ANSI/IES LM-63) and laid out in full: whoever reads a
+/// file unfolds its symmetries. In the space of the web the vertical angle 0 is -z and 180° +z, the horizontal angle 0
+/// is +x and 90° +y. Of type C that is the light's own space (EXT_lights_ies); types A and B are the same web about
+/// another axis.
 struct IesProfile {
   std::string name;
+  mat3 web_from_light{1.0f};          ///< a rotation
   std::vector<float> vertical_deg;    ///< ascending within 0 … 180; dark below the first and beyond the last
   std::vector<float> horizontal_deg;  ///< ascending from 0 to 360, or 0 alone: the same all around
   std::vector<float> candela;         ///< ≥ 0; one row of vertical angles after another, a row per horizontal angle

@@ -38,6 +38,8 @@ void require(bool condition, const char* message, const std::string& where) {
   if (!condition) throw Error(message, where);
 }
 
+bool in_unit(float x) { return x >= 0.0f && x <= 1.0f; }
+bool in_unit(vec3 v) { return in_unit(v.x) && in_unit(v.y) && in_unit(v.z); }
 bool in_range(int index, std::size_t count) { return index >= 0 && static_cast<std::size_t>(index) < count; }
 bool none_or_in_range(int index, std::size_t count) { return index == -1 || in_range(index, count); }
 
@@ -51,6 +53,7 @@ void validate_nodes(const Scene& scene) {
     require(none_or_in_range(node.camera, scene.cameras.size()), "the camera does not exist", where);
     require(none_or_in_range(node.light, scene.lights.size()), "the light does not exist", where);
     require(finite(node.parent_from_node) && finite(node.world_from_node), "the matrix is not finite", where);
+    require(in_unit(vec3(node.color)) && in_unit(node.color.w), "the colour lies outside 0 to 1", where);
   }
 }
 
@@ -69,9 +72,7 @@ void validate_primitive(const Scene& scene, const Primitive& p, const std::strin
           "a vertex is not finite", where);
 }
 
-bool in_unit(float x) { return x >= 0.0f && x <= 1.0f; }
 bool positive(vec3 v) { return v.x > 0.0f && v.y > 0.0f && v.z > 0.0f; }
-bool in_unit(vec3 v) { return in_unit(v.x) && in_unit(v.y) && in_unit(v.z); }
 
 /// The ranges that formulas rely on; all numbers are finite.
 void validate_ranges(const Material& m, const std::string& where) {

@@ -16,6 +16,10 @@
 
 /// The scene as plain data, as both renderers read it: metres, radians, right-handed, y up. Objects name each other by
 /// index (-1 = none). Whoever builds a Scene promises what `validate` (below) checks; renderers rely on it.
+///
+/// A scene leaves out what its file does not show, and adds nodes of its own, so its indices are not the file's. What
+/// people and other programs see are the file's: `file_index` holds them, -1 for what was made in memory, which is
+/// known by its own place (see number_of). Several objects may share one: the instances of a node, the poses of a mesh.
 namespace candela {
 
 enum class Wrap { repeat, clamp_to_edge, mirrored_repeat };
@@ -27,6 +31,7 @@ struct Texture {
   Wrap wrap_u = Wrap::repeat;
   Wrap wrap_v = Wrap::repeat;
   Filter filter = Filter::linear;  ///< magnification; minification is by supersampling (path) or mips (raster)
+  int file_index = -1;
 };
 
 /// A texture as one slot of a material uses it. uv' = transform * (uv, 1), columns of a 2×3 matrix
@@ -130,6 +135,8 @@ struct Material {
   vec3 conductor_n{1.0f};
   vec3 conductor_k{0.0f};
 
+  int file_index = -1;  ///< glTF's default material has the number after the file's last
+
   bool is_conductor() const { return max_component(conductor_k) > 0.0f; }
   /// Whether light that enters goes through a body (KHR_materials_volume) rather than a sheet.
   bool has_volume() const { return thickness > 0.0f; }
@@ -215,6 +222,7 @@ struct Primitive {
 struct Mesh {
   std::string name;
   std::vector<Primitive> primitives;
+  int file_index = -1;
 };
 
 struct PerspectiveCamera {
@@ -230,6 +238,7 @@ struct Camera {
   std::variant<PerspectiveCamera, OrthographicCamera> projection;
   float f_number = 0.0f;        ///< of a 24 mm high sensor, perspective only; 0 = pinhole. glTF files leave it 0
   float focus_distance = 0.0f;  ///< metres along -z; 0 = the middle of the scene
+  int file_index = -1;
 };
 
 enum class LightType { point, spot, directional };
@@ -249,6 +258,7 @@ struct Light {
   Falloff falloff = Falloff::gltf;
   vec3 polynomial{1, 0, 0};  ///< of Falloff::polynomial: 1 / (x d² + y d + z)
   int ies = -1;              ///< of a point: which profile its intensity varies by
+  int file_index = -1;       ///< in KHR_lights_punctual; of EXT_lights_ies the profile's there
 };
 
 struct Node {
@@ -259,6 +269,8 @@ struct Node {
   int mesh = -1;
   int camera = -1;
   int light = -1;
+  int file_index = -1;
+  vec4 color{1.0f};  ///< linear RGBA within 0 … 1, multiplies the base colour of its mesh as vertex colours do
 };
 
 /// A uniformly bright disc infinitely far away, e.g. the sun.
@@ -291,6 +303,7 @@ struct Scene {
   std::vector<Material> materials;  ///< never empty: Primitive::material is always valid
   std::vector<Texture> textures;
   std::vector<std::shared_ptr<const TextureImage>> images;  ///< never null
+  std::vector<int> image_file_indices;                      ///< beside `images`; empty = all made in memory
   std::vector<Camera> cameras;
   std::vector<Light> lights;
   std::vector<IesProfile> ies_profiles;
@@ -298,6 +311,16 @@ struct Scene {
   std::optional<std::string> preferred_environment;
   std::optional<float> preferred_exposure;  ///< factor, as DevelopSettings::exposure
 };
+
+/// The number by which people know an object of one of the scene's lists: its file's, else its place.
+template <class T>
+int number_of(const std::vector<T>& list, std::size_t index) {
+  const int of_file = list[index].file_index;
+  return of_file >= 0 ? of_file : static_cast<int>(index);
+}
+inline int image_number(const Scene& scene, std::size_t image) {
+  return image < scene.image_file_indices.size() ? scene.image_file_indices[image] : static_cast<int>(image);
+}
 
 /// Recomputes world_from_node from parent_from_node; parents may come after children. Throws Error on a cycle.
 void update_world_transforms(Scene& scene);

@@ -79,7 +79,7 @@ OrthographicCamera fit(OrthographicCamera camera, float aspect) {
 std::string camera_list(const Scene& scene) {
   std::string text;
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
-    text += (i == 0 ? "" : ", ") + std::to_string(i);
+    text += (i == 0 ? "" : ", ") + std::to_string(number_of(scene.cameras, i));
     if (!scene.cameras[i].name.empty()) text += " \"" + scene.cameras[i].name + "\"";
     for (const Node& node : scene.nodes)
       if (node.camera == static_cast<int>(i) && !node.name.empty() && node.name != scene.cameras[i].name)
@@ -88,14 +88,17 @@ std::string camera_list(const Scene& scene) {
   return text;
 }
 
-/// The node that `wanted` means; an index wins over a name, the first match over later ones.
+/// The node that `wanted` means; a number wins over a name, the first match over later ones.
 const Node* find_camera_node(const Scene& scene, const std::string& wanted) {
   int index = -1;
   const char* const end = wanted.data() + wanted.size();
   const auto parsed = std::from_chars(wanted.data(), end, index);
   const bool is_index = parsed.ec == std::errc() && parsed.ptr == end && index >= 0;
-  for (const Node& node : scene.nodes)
-    if (node.camera >= 0 && is_index && node.camera == index) return &node;
+  for (const Node& node : scene.nodes) {
+    const bool has_camera = node.camera >= 0;
+    if (has_camera && is_index && number_of(scene.cameras, static_cast<std::size_t>(node.camera)) == index)
+      return &node;
+  }
   for (const Node& node : scene.nodes) {
     if (node.camera < 0) continue;
     if (scene.cameras[static_cast<std::size_t>(node.camera)].name == wanted || node.name == wanted) return &node;
@@ -157,16 +160,20 @@ View look_at(vec3 eye, vec3 target, float yfov) {
   return view;
 }
 
-View scene_camera(const Scene& scene, const std::string& index_or_name, float aspect) {
-  const Node* const node = find_camera_node(scene, index_or_name);
+View scene_camera(const Scene& scene, const std::string& number_or_name, float aspect) {
+  const Node* const node = find_camera_node(scene, number_or_name);
   if (node == nullptr) {
-    throw Error(scene.cameras.empty() ? "the scene has no camera, so none is called \"" + index_or_name + "\""
-                                      : "no camera \"" + index_or_name + "\"; there are " + camera_list(scene));
+    throw Error(scene.cameras.empty() ? "the scene has no camera, so none is called \"" + number_or_name + "\""
+                                      : "no camera \"" + number_or_name + "\"; there are " + camera_list(scene));
   }
-  const Camera& camera = scene.cameras[static_cast<std::size_t>(node->camera)];
+  return scene_camera(scene, *node, aspect);
+}
+
+View scene_camera(const Scene& scene, const Node& node, float aspect) {
+  const Camera& camera = scene.cameras[static_cast<std::size_t>(node.camera)];
 
   View view;
-  view.world_from_camera = without_scale(node->world_from_node, node->name.empty() ? camera.name : node->name);
+  view.world_from_camera = without_scale(node.world_from_node, node.name.empty() ? camera.name : node.name);
   using Projection = std::variant<PerspectiveCamera, OrthographicCamera>;
   view.projection = std::visit([&](const auto& p) -> Projection { return fit(p, aspect); }, camera.projection);
   if (camera.focus_distance > 0.0f) {

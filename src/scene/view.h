@@ -36,8 +36,10 @@ View frame_box(const Box3& box, float aspect, float yfov, const Orbit& orbit = {
 /// Camera at `eye` looking at `target`; +y is up unless looking along it.
 View look_at(vec3 eye, vec3 target, float yfov);
 
-/// The file's camera by index or by name (of the camera or its node). Throws Error naming what exists.
-View scene_camera(const Scene& scene, const std::string& index_or_name, float aspect);
+/// The file's camera by number or by name (of the camera or its node). Throws Error naming what exists.
+View scene_camera(const Scene& scene, const std::string& number_or_name, float aspect);
+/// That of a node that has one. Throws Error where its transform leaves no direction to look in.
+View scene_camera(const Scene& scene, const Node& node, float aspect);
 
 /// Aperture radius in metres from an f-number, the field of view and a 24 mm high sensor.
 float aperture_radius(float f_number, float yfov);

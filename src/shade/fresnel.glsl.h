@@ -33,6 +33,23 @@ SHADE_FN float fresnel_dielectric(float cos_theta, float eta) {
   return 0.5f * a * a * (1.0f + b * b);
 }
 
+/// How far the reflectance of a dielectric boundary has risen from that at normal incidence (0) to 1 at grazing: what
+/// stands for Schlick's (1 - cos)^5 where the index is known. `eta` = n_t / n_i ≥ 1, `scale` = 1 / (1 - F0). Above 3.7
+/// the true curve first falls a little; here it is held. From the transmittances of both polarisations, Born & Wolf,
+/// "Principles of Optics", §1.5.2, eq. 21: 1 - F = 2 c g (1 / (g + c)² + η² / (g + η² c)²).
+SHADE_FN float fresnel_rise(float cos_theta, float eta, float scale) {
+  float c = shade_saturate(cos_theta);
+  float eta2 = eta * eta;
+  float g = sqrt(max(eta2 - 1.0f + c * c, 0.0f));
+  float s = g + c;
+  float p = g + eta2 * c;
+  float through = 2.0f * c * g * (p * p + eta2 * s * s) / max(s * s * p * p, 1e-30f);
+  return shade_saturate(1.0f - scale * through);
+}
+
+/// 1 / (1 - F0) of an index.
+SHADE_FN float fresnel_rise_scale(float eta) { return shade_sqr(eta + 1.0f) / (4.0f * eta); }
+
 /// Unpolarised reflectance of a conductor in air with complex index n + ik (per channel).
 /// Born & Wolf, "Principles of Optics", §14.2 (in the closed form of Lagarde's "Memo on Fresnel equations").
 SHADE_FN float fresnel_conductor(float cos_theta, float n, float k) {

@@ -1,47 +1,13 @@
 #ifndef CANDELA_SHADE_IMAGE_LIGHT_GLSL_H
 #define CANDELA_SHADE_IMAGE_LIGHT_GLSL_H
 
+#include "shade/layer_shares.glsl.h"
 #include "shade/surface.glsl.h"
 
 // What a surface makes of prefiltered light: the share of each lobe, seen from wo. With light that is the same from
 // everywhere they add up to the surface's albedo, multiple scattering included, so that a white surface stays white.
 
 SHADE_BEGIN
-
-/// Directional albedos at wo, each as it is left by what lies above it.
-struct SurfaceShares {
-  vec3 specular;  ///< opaque facets
-  vec3 diffuse;
-  vec3 below;    ///< diffuse light from the other side
-  vec3 glass;    ///< facets of the transparent part, reflected
-  vec3 through;  ///< and let through, tint included: of one sheet, or of one boundary of a body
-  vec3 sheen;
-  vec3 coat;
-};
-
-SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
-  float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
-  vec2 ab = layers_ggx(s, wo);
-  vec3 specular = s.specular_albedo_o;
-  // The tables know a film at normal incidence; here it has the colour of this angle.
-  if (s.iridescence > 0.0f) {
-    specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - base_specular_albedo(s, ab);
-  }
-  r.specular = specular * over;
-  r.diffuse = s.diffuse * s.film_below_o * s.transmission_o;
-  r.below = s.diffuse_below * s.film_below_o * s.transmission_o;
-  r.sheen = s.sheen * (s.sheen_albedo_o * (1.0f - s.coat * s.coat_albedo_o));
-  r.coat = vec3(s.coat * s.coat_albedo_o);
-  if (s.weight_glass <= 0.0f) return;
-  // A smooth boundary, or a film, reflects by the exact curve; a rough one loses what the tables of glass say.
-  vec3 reflected = s.glass_f0_tinted * ab.x + vec3(s.f90_dielectric * ab.y);
-  if (s.is_glass_delta) reflected = terms_fresnel_glass(s, wo.z);
-  if (s.iridescence > 0.0f) reflected = terms_fresnel_glass(s, wo.z) * (ab.x + ab.y);
-  vec3 lost = vec3(s.glass_escape_o * s.glass_reflected);
-  reflected = min(reflected + lost, vec3(1.0f));
-  r.glass = reflected * (s.weight_glass * over);
-  r.through = s.glass_tint * (vec3(1.0f) - reflected) * (s.weight_glass * over);
-}
 
 SHADE_FN SurfaceShares surface_shares(SHADE_IN(Surface) s, vec3 wo) {
   SurfaceShares r;

@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <numbers>
 #include <vector>
 
 #include "shade/albedo.h"
+#include "shade/facet_walk.h"
 #include "shade/fresnel.glsl.h"
 #include "shade/microfacet.glsl.h"
+#include "shade/surface_base.glsl.h"
 #include "shade/surface_constants.glsl.h"
 #include "shade/tables.glsl.h"
 
@@ -93,18 +96,67 @@ double mean_over_mu(const std::function<double(int)>& f, int count) {
   return sum;
 }
 
+/// The inverse of table_curve.
+float curve_index(int curve) {
+  const double root = static_cast<double>(curve - 1) / (kTableCurves - 2);
+  const double x = static_cast<double>(kTableCurveMost) * root * root;
+  return static_cast<float>((1.0 + x) / (1.0 - x));
+}
+
+/// How far a curve has risen at a facet. 1 / (1 - F0) is computed once: this is asked millions of times.
+class Curve {
+ public:
+  explicit Curve(int curve) : index_(curve == 0 ? 0.0f : curve_index(curve)) {
+    if (index_ > 0.0f) scale_ = fresnel_rise_scale(index_);
+  }
+  double at(float cos_m) const {
+    return static_cast<double>(index_ > 0.0f ? fresnel_rise(cos_m, index_, scale_) : schlick_weight(cos_m));
+  }
+
+ private:
+  float index_, scale_ = 1.0f;
+};
+
 void make_ggx() {
+  std::vector<Curve> curves;
+  for (int c = 0; c < kTableCurves; ++c) curves.emplace_back(c);
   for (int r = 0; r < kTableRoughness; ++r) {
     const float alpha = roughness_to_alpha(roughness_at(r, kTableRoughness));
     for (int m = 0; m < kTableMu; ++m) {
-      const vec2 ab = ggx_split_sum(direction(mu_at(m, kTableMu)), alpha);
-      at(kTableGgx, (r * kTableMu + m) * 2) = ab.x;
-      at(kTableGgx, (r * kTableMu + m) * 2 + 1) = ab.y;
+      const vec3 wo = direction(mu_at(m, kTableMu));
+      double white = 0.0;
+      std::vector<double> rise(curves.size(), 0.0);
+      const auto add = [&](float cos_m, double weight) {
+        white += weight;
+        for (std::size_t c = 0; c < curves.size(); ++c) rise[c] += weight * curves[c].at(cos_m);
+      };
+      if (alpha < kGgxMirrorAlpha) {
+        add(wo.z, 1.0);
+      } else {
+        over_ggx(wo, alpha, [&](vec3, float cos_m, double weight) { add(cos_m, weight); });
+      }
+      for (int c = 0; c < kTableCurves; ++c) {
+        const int entry = c * kTableGgxSlice + (r * kTableMu + m) * 2;
+        const double b = rise[static_cast<std::size_t>(c)];
+        at(kTableGgx, entry) = static_cast<float>(white - b);
+        at(kTableGgx, entry + 1) = static_cast<float>(b);
+      }
     }
-    for (int c = 0; c < 2; ++c) {
-      at(kTableGgxMean, r * 2 + c) =
-          static_cast<float>(mean_over_mu([&](int m) { return get(kTableGgx, (r * kTableMu + m) * 2 + c); }, kTableMu));
+    for (int i = 0; i < 2 * kTableCurves; ++i) {
+      const int c = i / 2, k = i % 2;
+      const auto entry = [&](int m) { return get(kTableGgx, c * kTableGgxSlice + (r * kTableMu + m) * 2 + k); };
+      at(kTableGgxMean, (c * kTableRoughness + r) * 2 + k) = static_cast<float>(mean_over_mu(entry, kTableMu));
     }
+  }
+  const GaussRule rule = gauss_rule(64);
+  for (int c = 0; c < kTableCurves; ++c) {
+    // µ = x³: near an index of 1 all of the rise is at the horizon.
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+      const double x = rule.nodes[i], mu = x * x * x;
+      sum += rule.weights[i] * curves[static_cast<std::size_t>(c)].at(static_cast<float>(mu)) * 2.0 * mu * 3.0 * x * x;
+    }
+    at(kTableRise, c) = static_cast<float>(sum);
   }
 }
 
@@ -158,8 +210,18 @@ void make_sheen() {
   }
 }
 
-double glass_albedo(vec3 wo, float alpha, float eta) {
+/// Masking of light that goes through, over that of wo alone: the facets that hide it and those that shade it lie on
+/// either side, so that no height does both. Heitz et al. 2016, eq. 15: G2 = B(1 + Λ(wo), 1 + Λ(wi)).
+double masking_through(vec3 wo, vec3 wi, float alpha) {
+  const auto o = static_cast<double>(ggx_lambda(wo, alpha)), i = static_cast<double>(ggx_lambda(wi, alpha));
+  return std::exp(std::lgamma(1.0 + o) + std::lgamma(1.0 + i) - std::lgamma(2.0 + o + i)) * (1.0 + o);
+}
+
+/// What single scattering at a boundary returns; `hidden` is how much more it lets through than it should, because its
+/// masking is that of reflection.
+double glass_albedo(vec3 wo, float alpha, float eta, double& hidden) {
   constexpr int kPoints = 1024;
+  hidden = 0.0;
   if (alpha < kGgxMirrorAlpha) return 1.0;
   double sum = 0.0;
   over_visible(wo, alpha, kPoints, [&](vec3 wm) {
@@ -170,27 +232,134 @@ double glass_albedo(vec3 wo, float alpha, float eta) {
     const double k = 1.0 - (1.0 - static_cast<double>(c) * c) / (static_cast<double>(eta) * eta);
     if (k <= 0.0) return;
     const vec3 refracted = wm * static_cast<float>(static_cast<double>(c) / eta - std::sqrt(k)) - wo / eta;
-    if (refracted.z < 0.0f) sum += (1.0 - f) * masking(wo, refracted, alpha);
+    if (refracted.z >= 0.0f) return;
+    sum += (1.0 - f) * masking(wo, refracted, alpha);
+    hidden += (1.0 - f) * (masking(wo, refracted, alpha) - masking_through(wo, refracted, alpha));
   });
+  hidden /= kPoints;
   return sum / kPoints;
 }
 
+/// PCG-XSH-RR 64/32. O'Neill 2014, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms".
+class Random {
+ public:
+  float next_float() {
+    const std::uint64_t old = state_;
+    state_ = old * 6364136223846793005U + 1442695040888963407U;
+    const auto mixed = static_cast<std::uint32_t>(((old >> 18) ^ old) >> 27);
+    const auto turn = static_cast<std::uint32_t>(old >> 59);
+    return static_cast<float>(((mixed >> turn) | (mixed << ((32U - turn) & 31U))) >> 8) * 0x1p-24f;
+  }
+  vec2 next_vec2() {
+    const float x = next_float();
+    return {x, next_float()};
+  }
+
+ private:
+  std::uint64_t state_ = 0x853c49e6748fea9bU;
+};
+
+/// Smoother surfaces scatter too little light twice to be worth the walks: they have what this one has.
+constexpr float kLeastWalked = 0.25f;
+
+bool is_walked(int r) { return roughness_at(r, kTableRoughness) >= kLeastWalked; }
+
+/// One of `count` directions whose cosines are distributed as those of light from everywhere.
+vec3 arriving(int i, int count) { return direction(std::sqrt((i + 0.5) / count)); }
+
+void make_walks() {
+  constexpr int kWalks = 65536;
+  std::vector<Curve> curves;
+  for (int c = 0; c < kTableCurves; ++c) curves.emplace_back(c);
+  for (int r = kTableRoughness - 1; r >= 0; --r) {
+    if (!is_walked(r)) {
+      for (int k = 0; k < 2; ++k) at(kTableWalk, 2 * r + k) = at(kTableWalk, 2 * r + 2 + k);
+      for (int c = 0; c < kTableCurves; ++c) {
+        at(kTableWalkRise, c * kTableRoughness + r) = at(kTableWalkRise, c * kTableRoughness + r + 1);
+      }
+      continue;
+    }
+    Random random;
+    const FacetWalk<Random> walk(roughness_to_alpha(roughness_at(r, kTableRoughness)), random);
+    double multiple = 0.0, second = 0.0, beyond = 0.0;
+    std::vector<double> rise(curves.size(), 0.0);
+    std::vector<float> cosines;
+    for (int i = 0; i < kWalks; ++i) {
+      cosines.clear();
+      const FacetExit exit = walk.over_mirrors(arriving(i, kWalks), [&](float c) { cosines.push_back(c); });
+      if (exit.is_lost || exit.bounces < 2) continue;
+      multiple += 1.0;
+      if (exit.bounces == 2) second += 1.0;
+      beyond += exit.bounces - 2;
+      for (std::size_t c = 0; c < curves.size(); ++c) {
+        for (const float cosine : cosines) rise[c] += curves[c].at(cosine) / exit.bounces;
+      }
+    }
+    at(kTableWalk, 2 * r) = static_cast<float>(second / multiple);
+    at(kTableWalk, 2 * r + 1) = static_cast<float>(beyond > 0.0 ? (multiple - second) / beyond : 1.0);
+    for (int c = 0; c < kTableCurves; ++c) {
+      at(kTableWalkRise, c * kTableRoughness + r) = static_cast<float>(rise[static_cast<std::size_t>(c)] / multiple);
+    }
+  }
+}
+
+/// The inverse of table_cell_index.
+float glass_index(int i) {
+  const double root = static_cast<double>(i) / (kTableIndices - 1);
+  const double x = static_cast<double>(kTableGlassMost) * root * root;
+  return static_cast<float>(std::max((1.0 + x) / (1.0 - x), 1.0 + 1e-4));
+}
+
+/// After the means of kTableGlass. `hidden` as glass_albedo() has it, in the mean.
+float glass_through(int index, int r, float eta, double hidden) {
+  constexpr int kWalks = 8192;
+  Random random;
+  const FacetWalk<Random> walk(roughness_to_alpha(roughness_at(r, kTableRoughness)), random);
+  int multiple = 0, through = 0;
+  for (int i = 0; i < kWalks; ++i) {
+    const FacetExit exit = walk.over_glass(arriving(i, kWalks), eta);
+    if (exit.is_lost || exit.bounces < 2) continue;
+    ++multiple;
+    if (exit.w.z < 0.0f) ++through;
+  }
+  const auto lost = [&](int side) {
+    return 1.0 - get(kTableGlassMean, (side * kTableIndices + index) * kTableRoughness + r);
+  };
+  // What single scattering lets through too much is taken back here.
+  const double crossing = (lost(0) + hidden) * through / std::max(multiple, 1) - hidden;
+  // Nor may more of what the denser side loses cross than there is.
+  const double most = std::min(1.0, lost(1) * static_cast<double>(eta * eta) / lost(0));
+  return static_cast<float>(std::clamp(crossing / lost(0), 0.0, most));
+}
+
 void make_glass() {
+  std::vector<double> hidden_mean(static_cast<std::size_t>(kTableIndices * kTableRoughness));
   for (int side = 0; side < 2; ++side) {
     for (int i = 0; i < kTableIndices; ++i) {
-      const double root = static_cast<double>(i) / (kTableIndices - 1);
-      const double x = static_cast<double>(kTableGlassMost) * root * root;
-      const double dense = std::max((1.0 + x) / (1.0 - x), 1.0 + 1e-4);
-      const auto eta = static_cast<float>(side == 0 ? dense : 1.0 / dense);
+      const float eta = side == 0 ? glass_index(i) : 1.0f / glass_index(i);
       for (int r = 0; r < kTableRoughness; ++r) {
         const float alpha = roughness_to_alpha(roughness_at(r, kTableRoughness));
         const int row = ((side * kTableIndices + i) * kTableRoughness + r) * kTableMu;
+        std::vector<double> hidden(kTableMu);
         for (int m = 0; m < kTableMu; ++m) {
-          at(kTableGlass, row + m) = static_cast<float>(glass_albedo(direction(mu_at(m, kTableMu)), alpha, eta));
+          at(kTableGlass, row + m) = static_cast<float>(
+              glass_albedo(direction(mu_at(m, kTableMu)), alpha, eta, hidden[static_cast<std::size_t>(m)]));
+        }
+        if (side == 0) {
+          hidden_mean[static_cast<std::size_t>(i * kTableRoughness + r)] =
+              mean_over_mu([&](int m) { return hidden[static_cast<std::size_t>(m)]; }, kTableMu);
         }
         at(kTableGlassMean, (side * kTableIndices + i) * kTableRoughness + r) =
             static_cast<float>(mean_over_mu([&](int m) { return get(kTableGlass, row + m); }, kTableMu));
       }
+    }
+  }
+  for (int i = 0; i < kTableIndices; ++i) {
+    for (int r = kTableRoughness - 1; r >= 0; --r) {
+      const int entry = i * kTableRoughness + r;
+      at(kTableGlassThrough, entry) =
+          is_walked(r) ? glass_through(i, r, glass_index(i), hidden_mean[static_cast<std::size_t>(entry)])
+                       : at(kTableGlassThrough, entry + 1);
     }
   }
 }
@@ -202,8 +371,10 @@ void make_over(int table, const std::function<double(int layer, double mu)>& tra
   constexpr int kPoints = 512;
   constexpr int kIterations = 16;
   struct Scattered {
-    float mu, weight, schlick;
+    float mu, weight, rise;
   };
+  const Curve curve(kTableCurveOfGlass);
+  const auto rise = [&](float cos_m) { return static_cast<float>(curve.at(cos_m)); };
   for (int lobe = 0; lobe < n; ++lobe) {
     const float alpha = roughness_to_alpha(roughness_at(lobe, n));
     // ----- the white lobe: single scattering as directions with weights, the rest as a product of escapes
@@ -213,7 +384,7 @@ void make_over(int table, const std::function<double(int layer, double mu)>& tra
       const vec3 wo = direction(mu_at(m, n));
       auto& scattered = sampled[static_cast<std::size_t>(m)];
       if (alpha < kGgxMirrorAlpha) {
-        scattered = {{wo.z, 1.0f, schlick_weight(wo.z)}};
+        scattered = {{wo.z, 1.0f, rise(wo.z)}};
         continue;
       }
       double albedo = 0.0;
@@ -221,7 +392,7 @@ void make_over(int table, const std::function<double(int layer, double mu)>& tra
         const vec3 wi = microfacet_reflect(wo, wm);
         if (wi.z <= 0.0f) return;
         const double w = masking(wo, wi, alpha) / kPoints;
-        scattered.push_back({wi.z, static_cast<float>(w), schlick_weight(dot(wo, wm))});
+        scattered.push_back({wi.z, static_cast<float>(w), rise(dot(wo, wm))});
         albedo += w;
       });
       escape[static_cast<std::size_t>(m)] = 1.0 - albedo;
@@ -255,8 +426,8 @@ void make_over(int table, const std::function<double(int layer, double mu)>& tra
         double b = 0.0;
         for (const Scattered& w : sampled[m]) {
           const double value = s[m] * static_cast<double>(w.weight) * read_row(s, static_cast<double>(w.mu));
-          a += value * (1.0 - static_cast<double>(w.schlick));
-          b += value * static_cast<double>(w.schlick);
+          a += value * (1.0 - static_cast<double>(w.rise));
+          b += value * static_cast<double>(w.rise);
         }
         const int entry = ((layer * n + lobe) * n + static_cast<int>(m)) * 3;
         at(table, entry) = static_cast<float>(s[m] / std::sqrt(t[m]));
@@ -530,19 +701,21 @@ double read_between(int table, double x, double mu, int stride, int offset) {
 
 double layer_at(int layer) { return static_cast<double>(layer) / (kTableLayers - 1); }
 
-/// Albedo of the coat: Schlick from kCoatF0, with its own multiple scattering.
+/// Albedo of the coat, with its own multiple scattering.
 double coat_albedo(int layer, double mu) {
   const double r = layer_at(layer) * (kTableRoughness - 1);
   const int r0 = std::min(static_cast<int>(r), kTableRoughness - 2);
-  double e_mean = 0.0;
-  for (int c = 0; c < 2; ++c) {
-    e_mean += (1.0 - (r - r0)) * get(kTableGgxMean, r0 * 2 + c) + (r - r0) * get(kTableGgxMean, r0 * 2 + 2 + c);
-  }
-  const double a = read_between(kTableGgx, layer_at(layer), mu, 2, 0);
-  const double b = read_between(kTableGgx, layer_at(layer), mu, 2, 1);
+  constexpr int kTerms = kTableGgx + kTableCurveOfGlass * kTableGgxSlice;
+  const auto between = [&](int table, int stride) {
+    return (1.0 - (r - r0)) * get(table, r0 * stride) + (r - r0) * get(table, (r0 + 1) * stride);
+  };
+  const double a = read_between(kTerms, layer_at(layer), mu, 2, 0);
+  const double b = read_between(kTerms, layer_at(layer), mu, 2, 1);
   const double f0 = static_cast<double>(kCoatF0);
-  const double f_mean = f0 + (1.0 - f0) / 21.0;
-  return f0 * a + b + f_mean * f_mean * e_mean / (1.0 - f_mean * (1.0 - e_mean)) * (1.0 - a - b);
+  const double f_mean = f0 + (1.0 - f0) * between(kTableWalkRise + kTableCurveOfGlass * kTableRoughness, 1);
+  const vec2 walk(static_cast<float>(between(kTableWalk, 2)), static_cast<float>(between(kTableWalk + 1, 2)));
+  const auto share = static_cast<double>(multiscatter_share(static_cast<float>(f_mean), walk));
+  return f0 * a + b + share * (1.0 - a - b);
 }
 
 double sheen_albedo(int layer, double mu) { return read_between(kTableSheen, layer_at(layer), mu, 1, 0); }
@@ -564,6 +737,7 @@ int main(int argc, char** argv) {
   using namespace candela::shade;
   if (argc != 2) return 2;
   make_ggx();
+  make_walks();
   make_sheen();
   make_glass();
   make_over(kTableCoatOver, [](int layer, double mu) { return 1.0 - coat_albedo(layer, mu); });

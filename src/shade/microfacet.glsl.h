@@ -37,13 +37,14 @@ SHADE_FN float ggx_v_smith(vec3 wo, vec3 wi, float alpha) {
 }
 
 /// A microfacet normal visible from `wo` (wo.z > 0) for u in [0,1)². Dupuy & Benyoub 2023, "Sampling Visible GGX
-/// Normals with Spherical Caps", listing 3, isotropic.
+/// Normals with Spherical Caps", listing 3, isotropic; without its differences of numbers near 1, which a narrow lobe
+/// makes large errors of.
 SHADE_FN vec3 ggx_sample_visible(vec3 wo, float alpha, vec2 u) {
   vec3 w = normalize(vec3(alpha * wo.x, alpha * wo.y, wo.z));
   float phi = 2.0f * kShadePi * u.x;
-  float z = 1.0f - u.y * (1.0f + w.z);
-  float r = sqrt(max(1.0f - z * z, 0.0f));
-  vec3 c = vec3(r * cos(phi), r * sin(phi), z) + w;
+  float up = (1.0f - u.y) * (1.0f + w.z);  // height above the rim of the cap, which lies at -w.z
+  float r = sqrt(u.y * (1.0f + w.z) * (up + (w.x * w.x + w.y * w.y) / (1.0f + w.z)));
+  vec3 c = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, up);
   return normalize(vec3(alpha * c.x, alpha * c.y, max(c.z, 1e-7f)));
 }
 
@@ -77,13 +78,13 @@ SHADE_FN float ggx_v_smith_aniso(vec3 wo, vec3 wi, float ax, float ay) {
   return 0.5f / max(lo + li, 1e-30f);
 }
 
-/// A microfacet normal visible from `wo` (wo.z > 0) for u in [0,1)². Dupuy & Benyoub 2023, listing 3.
+/// A microfacet normal visible from `wo` (wo.z > 0) for u in [0,1)². Dupuy & Benyoub 2023, listing 3, as above.
 SHADE_FN vec3 ggx_sample_visible_aniso(vec3 wo, float ax, float ay, vec2 u) {
   vec3 w = normalize(vec3(ax * wo.x, ay * wo.y, wo.z));
   float phi = 2.0f * kShadePi * u.x;
-  float z = 1.0f - u.y * (1.0f + w.z);
-  float r = sqrt(max(1.0f - z * z, 0.0f));
-  vec3 c = vec3(r * cos(phi), r * sin(phi), z) + w;
+  float up = (1.0f - u.y) * (1.0f + w.z);  // height above the rim of the cap, which lies at -w.z
+  float r = sqrt(u.y * (1.0f + w.z) * (up + (w.x * w.x + w.y * w.y) / (1.0f + w.z)));
+  vec3 c = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, up);
   return normalize(vec3(ax * c.x, ay * c.y, max(c.z, 1e-7f)));
 }
 

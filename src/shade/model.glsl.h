@@ -25,8 +25,8 @@ SHADE_CONST int kMaskingCharlie = 5;
 // F, reflectance of a facet.
 SHADE_CONST int kFresnelSchlick = 0;
 SHADE_CONST int kFresnelSphericalGaussian = 1;
-SHADE_CONST int kFresnelExact = 2;  // dielectric by index, conductor by n + ik
-SHADE_CONST int kFresnelF82 = 3;    // of metals; specular_color is the tint at 82°
+SHADE_CONST int kFresnelExact = 2;  // dielectric by index, between its F0 and F90; metals Schlick's
+SHADE_CONST int kFresnelF82 = 3;    // the same, and of metals specular_color is the tint at 82°
 
 // The diffuse layer.
 SHADE_CONST int kDiffuseLambert = 0;
@@ -55,7 +55,7 @@ SHADE_FN ShadingModel shading_model_candela() {
   ShadingModel m;
   m.distribution = kDistributionGgx;
   m.masking = kMaskingSmithCorrelated;
-  m.fresnel = kFresnelSchlick;
+  m.fresnel = kFresnelExact;
   m.diffuse = kDiffuseLambert;
   m.blend = kBlendAlbedo;
   m.multiscatter = true;
@@ -66,6 +66,7 @@ SHADE_FN ShadingModel shading_model_candela() {
 /// glTF 2.0 Appendix B and the extensions, as printed.
 SHADE_FN ShadingModel shading_model_gltf() {
   ShadingModel m = shading_model_candela();
+  m.fresnel = kFresnelSchlick;
   m.blend = kBlendHalfVector;
   m.multiscatter = false;
   m.literal_layers = true;
@@ -105,9 +106,12 @@ SHADE_FN ShadingModel shading_model_blinn_phong() {
   return m;
 }
 
+/// Whether dielectrics have the curve of their index.
+SHADE_FN bool shading_model_has_index(ShadingModel m) { return m.fresnel == kFresnelExact || m.fresnel == kFresnelF82; }
+
 /// Whether it is the default, for which the compiler keeps nothing of the others.
 SHADE_FN bool shading_model_is_default(ShadingModel m) {
-  return m.distribution == kDistributionGgx && m.masking == kMaskingSmithCorrelated && m.fresnel == kFresnelSchlick &&
+  return m.distribution == kDistributionGgx && m.masking == kMaskingSmithCorrelated && m.fresnel == kFresnelExact &&
          m.diffuse == kDiffuseLambert && m.blend == kBlendAlbedo && m.multiscatter && !m.literal_layers;
 }
 

@@ -25,9 +25,13 @@ SHADE_BEGIN
 SHADE_FN void surface_prepare_in(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surface) s) {
   base_matter(p, s);
   if (p.lobes != 0) layers_matter(p, s);
-  vec2 ab = p.lobes == 0 ? table_ggx(wo.z, s.row) : layers_ggx(s, wo);
-  vec2 mean = p.lobes == 0 ? table_ggx_mean(s.row) : layers_ggx_mean(s);
-  base_energy(ab, mean, s);
+  vec2 ab = p.lobes == 0 ? table_ggx_curve(wo.z, s.row, s.curve) : layers_ggx(s, wo, s.curve);
+  vec2 mean = p.lobes == 0 ? table_ggx_curve_mean(s.row, s.curve) : layers_ggx_mean(s);
+  vec2 ab_metal = ab;
+  if (s.curve.i > 0 && s.weight_metal > 0.0f) {
+    ab_metal = p.lobes == 0 ? table_ggx(wo.z, s.row) : layers_ggx(s, wo, table_curve_schlick());
+  }
+  base_energy(ab, mean, ab_metal, s);
   if (p.lobes != 0) layers_prepare(p, wo, ab, mean, s);
 }
 

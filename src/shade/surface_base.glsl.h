@@ -18,28 +18,39 @@ SHADE_FN vec3 shade_tangent(vec3 n) {
   return vec3(1.0f + sgn * n.x * n.x * a, sgn * n.x * n.y * a, -sgn * n.x);
 }
 
-/// Share of light that facets reflect after several bounces among them, of what single scattering loses. `mean` is the
-/// mean Fresnel reflectance, `albedo` the mean single-scattering albedo of white facets. Kulla & Conty 2017,
-/// "Revisiting Physically Based Shading at Imageworks"; with Hill's correction (2018), which counts the second bounce
-/// as the first.
-SHADE_FN float multiscatter_share(float mean, float albedo) {
-  return mean * mean * albedo / (1.0f - mean * (1.0f - albedo));
+/// Share of light that facets reflect after several bounces among them, of what single scattering loses: the series
+/// over the number of bounces, as Kulla & Conty 2017, "Revisiting Physically Based Shading at Imageworks", have it,
+/// with what random walks say of its terms. `mean` is the mean reflectance of the facets that such light meets, `walk`
+/// what table_walk() has of the roughness.
+SHADE_FN float multiscatter_share(float mean, vec2 walk) {
+  float further = mean * walk.y / (1.0f - mean * (1.0f - walk.y));
+  return mean * mean * (walk.x + (1.0f - walk.x) * further);
 }
 
-SHADE_FN vec3 multiscatter_share3(vec3 mean, float albedo) {
-  return vec3(multiscatter_share(mean.x, albedo), multiscatter_share(mean.y, albedo),
-              multiscatter_share(mean.z, albedo));
+SHADE_FN vec3 multiscatter_share3(vec3 mean, vec2 walk) {
+  return vec3(multiscatter_share(mean.x, walk), multiscatter_share(mean.y, walk), multiscatter_share(mean.z, walk));
 }
 
-/// Cosine-weighted mean of Schlick's curve.
-SHADE_FN vec3 schlick_mean(vec3 f0, float f90) { return f0 + (vec3(f90) - f0) * (1.0f / 21.0f); }
+/// Mean reflectance of the dielectric facets that multiply scattered light meets.
+SHADE_FN vec3 base_mean(SHADE_IN(Surface) s) {
+  return s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * s.rise_mean;
+}
+
+/// How far the dielectric boundary's reflectance has risen from F0 to F90.
+SHADE_FN float base_rise(SHADE_IN(Surface) s, float cos_theta) {
+  return s.index > 0.0f ? fresnel_rise(cos_theta, s.index, s.rise_scale) : schlick_weight(cos_theta);
+}
 
 /// Fresnel of both opaque materials, weighted.
 SHADE_FN vec3 base_fresnel(SHADE_IN(Surface) s, float cos_theta) {
-  float w = schlick_weight(cos_theta);
-  vec3 f_dielectric = s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * w;
-  vec3 f_metal = s.f0_metal + (vec3(1.0f) - s.f0_metal) * w;
-  return s.weight_dielectric * f_dielectric + s.weight_metal * f_metal;
+  vec3 f = vec3(0.0f);
+  if (s.weight_dielectric > 0.0f) {
+    f = s.weight_dielectric * (s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * base_rise(s, cos_theta));
+  }
+  if (s.weight_metal > 0.0f) {
+    f += s.weight_metal * (s.f0_metal + (vec3(1.0f) - s.f0_metal) * schlick_weight(cos_theta));
+  }
+  return f;
 }
 
 /// What single scattering between white facets loses at a direction with split-sum terms `ab`. Nothing of a mirror:
@@ -49,16 +60,36 @@ SHADE_FN float base_escape(vec2 ab) {
   return e > 1e-5f ? e : 0.0f;
 }
 
-/// Share of light that crosses the dielectric boundary at a direction with split-sum terms `ab`: 1 - its albedo.
+/// Share of light that crosses the dielectric boundary at a direction with its split-sum terms `ab`: 1 - its albedo.
 SHADE_FN float base_transmission(SHADE_IN(Surface) s, vec2 ab) {
   return max(1.0f - s.boundary_f0 * ab.x - s.f90_dielectric * ab.y - s.boundary_escape * (1.0f - ab.x - ab.y), 0.0f);
 }
 
-/// Albedo of single scattering of the opaque base at a direction with split-sum terms `ab`.
-SHADE_FN vec3 base_specular_albedo(SHADE_IN(Surface) s, vec2 ab) {
-  vec3 f0 = s.weight_dielectric * s.f0_dielectric + s.weight_metal * s.f0_metal;
-  float f90 = s.weight_dielectric * s.f90_dielectric + s.weight_metal;
-  return f0 * ab.x + vec3(f90 * ab.y);
+/// Albedo of single scattering of the opaque base at a direction where the dielectric's split-sum terms are `ab` and
+/// the metal's `ab_metal`.
+SHADE_FN vec3 base_single_albedo(SHADE_IN(Surface) s, vec2 ab, vec2 ab_metal) {
+  return s.weight_dielectric * (s.f0_dielectric * ab.x + vec3(s.f90_dielectric * ab.y)) +
+         s.weight_metal * (s.f0_metal * ab_metal.x + vec3(ab_metal.y));
+}
+
+/// The dielectric's reflectance rises by Schlick's curve.
+SHADE_FN void base_rises_by_schlick(SHADE_INOUT(Surface) s) {
+  s.index = 0.0f;
+  s.rise_scale = 1.0f;
+  s.curve = table_curve_schlick();
+}
+
+/// Or by that of an index.
+SHADE_FN void base_rises_by_index(float ior, SHADE_INOUT(Surface) s) {
+  if (ior == kCoatIndex) {  // of most surfaces: nothing to compute
+    s.index = kCoatIndex;
+    s.rise_scale = 1.0f / (1.0f - kCoatF0);
+    s.curve = table_curve_at(kTableCurveOfGlass);
+    return;
+  }
+  s.index = min(max(ior, 1.0f / ior), kTableMostIndex);
+  s.rise_scale = fresnel_rise_scale(s.index);
+  s.curve = table_curve(s.index);
 }
 
 /// Weights, colours and widths of the base.
@@ -76,23 +107,32 @@ SHADE_FN void base_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   s.alpha = roughness_to_alpha(p.roughness);
   s.is_mirror = s.alpha < kGgxMirrorAlpha;
   s.row = table_ggx_roughness(p.roughness);
+  // Without an index (0) F0 may be a metal's.
+  if (p.metallic < 1.0f && p.ior > 0.0f) {
+    base_rises_by_index(p.ior, s);
+  } else {
+    base_rises_by_schlick(s);
+  }
 }
 
 /// What the base loses and lets through, and the shares of the samples. `ab` are the split-sum terms at wo, `mean`
-/// their cosine-weighted means.
-SHADE_FN void base_energy(vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
+/// their cosine-weighted means, `ab_metal` those at wo by Schlick's curve.
+SHADE_FN void base_energy(vec2 ab, vec2 mean, vec2 ab_metal, SHADE_INOUT(Surface) s) {
   s.escape_mean = 1.0f - mean.x - mean.y;
   s.escape_o = s.is_mirror ? 0.0f : base_escape(ab);
+  s.rise_mean = table_walk_rise(s.row, s.curve);
 
   // ----- multiple scattering between facets, of each material before they are mixed
+  vec2 walk = table_walk(s.row);
   vec3 share_dielectric = vec3(0.0f);
   vec3 share = vec3(0.0f);
   if (s.weight_metal < 1.0f) {
-    share_dielectric = multiscatter_share3(schlick_mean(s.f0_dielectric, s.f90_dielectric), 1.0f - s.escape_mean);
+    share_dielectric = multiscatter_share3(base_mean(s), walk);
     share = s.weight_dielectric * share_dielectric;
   }
   if (s.weight_metal > 0.0f) {
-    share += s.weight_metal * multiscatter_share3(schlick_mean(s.f0_metal, 1.0f), 1.0f - s.escape_mean);
+    float rise = s.curve.i == 0 ? s.rise_mean : table_walk_rise(s.row, table_curve_schlick());
+    share += s.weight_metal * multiscatter_share3(s.f0_metal + (vec3(1.0f) - s.f0_metal) * rise, walk);
   }
   s.multiscatter = share * (1.0f / (kShadePi * max(s.escape_mean, 1e-6f)));
 
@@ -104,9 +144,9 @@ SHADE_FN void base_energy(vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
   s.diffuse_scale = 1.0f / max(base_transmission(s, mean), 1e-6f);
 
   // ----- chances by estimated albedo
-  vec3 single = base_specular_albedo(s, ab);
-  s.specular_albedo_o = single + share * s.escape_o;
-  float specular = shade_max3(single);
+  s.single_albedo_o = base_single_albedo(s, ab, ab_metal);
+  s.specular_albedo_o = s.single_albedo_o + share * s.escape_o;
+  float specular = shade_max3(s.single_albedo_o);
   float diffuse = shade_max3(s.diffuse) * s.transmission_o + shade_max3(share) * s.escape_o;
   float total = specular + diffuse;
   // At least a tenth for whichever lobe exists at all, so that no weight explodes where the estimate is off.
@@ -121,7 +161,7 @@ SHADE_FN SurfaceEval base_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   r.value = vec3(0.0f);
   r.pdf = 0.0f;
   if (wo.z <= 0.0f || wi.z <= 0.0f) return r;
-  vec2 ab = table_ggx(wi.z, s.row);
+  vec2 ab = table_ggx_curve(wi.z, s.row, s.curve);
   float diffuse = s.transmission_o * base_transmission(s, ab) * s.diffuse_scale * (1.0f / kShadePi);
   r.value = (s.diffuse * diffuse + s.multiscatter * (s.escape_o * base_escape(ab))) * wi.z;
   r.pdf = s.chance_diffuse * cosine_pdf(wi.z);

@@ -6,7 +6,8 @@
 
 SHADE_BEGIN
 
-/// A coat's reflectance at normal incidence: index 1.5 (KHR_materials_clearcoat).
+/// A coat's index (KHR_materials_clearcoat), and with it its reflectance at normal incidence.
+SHADE_CONST float kCoatIndex = 1.5f;
 SHADE_CONST float kCoatF0 = 0.04f;
 
 /// Width of the sheen lobe.

@@ -41,6 +41,12 @@ SHADE_FN float layers_roughness_along(SHADE_IN(Surface) s, vec3 w) {
   return layers_roughness_at(s, w.x * w.x / max(w.x * w.x + w.y * w.y, 1e-12f));
 }
 
+/// And its row in the tables of GGX.
+SHADE_FN TableCell layers_row_along(SHADE_IN(Surface) s, vec3 w) {
+  if ((s.lobes & kLobeAnisotropy) == 0) return s.row;
+  return table_ggx_roughness(layers_roughness_along(s, w));
+}
+
 /// At cosines to the coat's normal and to the base's, above a base of this roughness.
 SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, float coat_mu, float mu, float roughness) {
   LayersAt at;
@@ -50,7 +56,7 @@ SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, float coat_mu, float mu
   at.coat_over = vec3(1.0f);
   at.sheen_over = vec3(1.0f);
   if ((s.lobes & kLobeClearcoat) != 0) {
-    at.coat_albedo = layers_coat_albedo(s, table_ggx(coat_mu, s.coat_row));
+    at.coat_albedo = layers_coat_albedo(s, table_ggx_curve(coat_mu, s.coat_row, s.coat_curve));
     // How the base's lobe spreads is the base normal's matter; how much comes through, the coat's.
     at.coat_over = table_coat_over(mu, roughness, s.coat_roughness, at.coat_albedo);
   }
@@ -86,20 +92,28 @@ SHADE_FN float layers_across(SHADE_IN(Surface) s, LayersAt at) {
 }
 
 /// What the diffuse layer gets below a boundary with split-sum terms `ab` and one layer of weight `w` and albedo `e`: 1
-/// less what the layer reflects and what the boundary reflects through it.
-SHADE_FN float layers_below_one(SHADE_IN(Surface) s, float w, float e, vec3 over, vec2 ab) {
+/// less what the layer reflects and what the boundary reflects through it. `known` is B of the bare boundary by the
+/// curve that the table of the layer has.
+SHADE_FN float layers_below_one(SHADE_IN(Surface) s, float w, float e, vec3 over, vec2 ab, float known) {
   float bare = 1.0f - base_transmission(s, ab);
-  float covered =
-      s.boundary_f0 * over.y + s.f90_dielectric * over.z + s.boundary_escape * max(1.0f - e - over.y - over.z, 0.0f);
+  float white = over.y + over.z;
+  float share = white / max(ab.x + ab.y, 1e-3f);
+  float b = clamp(table_other_rise(over.z, known, ab.y, share), 0.0f, white);
+  float covered = s.boundary_f0 * (white - b) + s.f90_dielectric * b + s.boundary_escape * max(1.0f - e - white, 0.0f);
   return max(1.0f - w * e - (1.0f - w) * bare - w * covered, 0.0f);
 }
 
-/// Transmission of everything above the diffuse layer.
-SHADE_FN float layers_transmission(SHADE_IN(Surface) s, LayersAt at, vec2 ab) {
+/// Transmission of everything above the diffuse layer at a cosine where the boundary's split-sum terms are `ab`.
+SHADE_FN float layers_transmission(SHADE_IN(Surface) s, LayersAt at, vec2 ab, float mu, TableCell row) {
   float t = base_transmission(s, ab);
-  float below_coat = s.coat > 0.0f ? layers_below_one(s, s.coat, at.coat_albedo, at.coat_over, ab) : t;
+  if (s.coat <= 0.0f && s.sheen_weight <= 0.0f) return t;
+  float known = ab.y;
+  if (s.curve.i != kTableCurveOfGlass || s.curve.t > 0.0f) {
+    known = table_ggx_curve(mu, row, table_curve_at(kTableCurveOfGlass)).y;
+  }
+  float below_coat = s.coat > 0.0f ? layers_below_one(s, s.coat, at.coat_albedo, at.coat_over, ab, known) : t;
   float below_sheen =
-      s.sheen_weight > 0.0f ? layers_below_one(s, s.sheen_weight, at.sheen_albedo, at.sheen_over, ab) : t;
+      s.sheen_weight > 0.0f ? layers_below_one(s, s.sheen_weight, at.sheen_albedo, at.sheen_over, ab, known) : t;
   return t > 0.0f ? below_coat * below_sheen / t : 0.0f;
 }
 
@@ -108,6 +122,9 @@ SHADE_FN float layers_transmission(SHADE_IN(Surface) s, LayersAt at, vec2 ab) {
 /// Matter: colours, films, widths. Between base_matter and base_energy.
 SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   s.model = p.model;
+  bool has_index = (p.lobes & kLobeModel) == 0 || shading_model_has_index(p.model);
+  if (!has_index) base_rises_by_schlick(s);
+  s.coat_curve = table_curve_at(has_index ? kTableCurveOfGlass : 0);
   s.coat = 0.0f;
   s.coat_normal = vec3(0.0f, 0.0f, 1.0f);
   s.sheen_weight = 0.0f;
@@ -189,7 +206,7 @@ SHADE_FN float layers_azimuth(int i) {
 }
 
 /// A film lets each channel through by a law of its own: base_transmission of each, where facets reflect `beyond` more
-/// than Schlick's curve, over that of the whole.
+/// than the boundary's curve, over that of the whole.
 SHADE_FN vec3 layers_film_below(SHADE_IN(Surface) s, vec2 ab, vec3 beyond) {
   vec3 reflected =
       s.f0_dielectric * ab.x + vec3(s.f90_dielectric * ab.y) + s.film_escape * (1.0f - ab.x - ab.y) + beyond;
@@ -198,7 +215,7 @@ SHADE_FN vec3 layers_film_below(SHADE_IN(Surface) s, vec2 ab, vec3 beyond) {
 
 SHADE_FN vec3 layers_film_below_at(SHADE_IN(Surface) s, vec2 ab, vec3 w) {
   TableCell m = table_cell_mu(abs(w.z), kTableMu);
-  TableCell row = (s.lobes & kLobeAnisotropy) == 0 ? s.row : table_ggx_roughness(layers_roughness_along(s, w));
+  TableCell row = layers_row_along(s, w);
   vec3 beyond = vec3(0.0f);
   for (int i = 0; i < kFilmCosines; ++i) beyond += s.film_beyond[i] * table_film(i, m, row);
   return layers_film_below(s, ab, beyond);
@@ -218,28 +235,45 @@ SHADE_APART SHADE_FN void layers_prepare_film(vec3 wo, vec2 ab, vec2 mean, SHADE
   vec3 beyond = vec3(0.0f);
   for (int i = 0; i < kFilmCosines; ++i) {
     float mu = table_film_cosine(i);
-    vec3 schlick = s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * schlick_weight(mu);
-    s.film_beyond[i] = terms_fresnel_dielectric(s, mu) - schlick;
+    vec3 curve = s.f0_dielectric + (vec3(s.f90_dielectric) - s.f0_dielectric) * base_rise(s, mu);
+    s.film_beyond[i] = terms_fresnel_dielectric(s, mu) - curve;
     beyond += s.film_beyond[i] * layers_film_mean(s, i);
   }
-  s.film_escape = multiscatter_share3(schlick_mean(s.f0_dielectric, s.f90_dielectric), 1.0f - s.escape_mean);
+  s.film_escape = multiscatter_share3(base_mean(s), table_walk(s.row));
   s.film_below_scale = vec3(1.0f) / max(layers_film_below(s, mean, beyond), vec3(1e-3f));
   s.film_below_o = layers_film_below_at(s, ab, wo);
 }
 
-/// Split-sum terms at w.
-SHADE_FN vec2 layers_ggx(SHADE_IN(Surface) s, vec3 w) {
+/// Split-sum terms from what an anisotropic lobe loses and its B by Schlick's curve, of a curve that moves B of a round
+/// lobe from `from` to `to`.
+SHADE_FN vec2 layers_anisotropic_terms(vec2 entry, float from, float to) {
+  float b = clamp(table_other_rise(entry.y, from, to, 1.0f), 0.0f, 1.0f - entry.x);
+  return vec2(1.0f - entry.x - b, b);
+}
+
+/// Split-sum terms at w by a curve.
+SHADE_FN vec2 layers_ggx(SHADE_IN(Surface) s, vec3 w, TableCell curve) {
   float mu = abs(w.z);
-  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx(mu, s.row);
-  vec2 entry = table_anisotropic(mu, layers_roughness_along(s, w), sqrt(s.alpha_x), sqrt(s.alpha_y));
-  return vec2(1.0f - entry.x - entry.y, entry.y);
+  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_curve(mu, s.row, curve);
+  float along = layers_roughness_along(s, w);
+  vec2 entry = table_anisotropic(mu, along, sqrt(s.alpha_x), sqrt(s.alpha_y));
+  if (curve.i == 0) return vec2(1.0f - entry.x - entry.y, entry.y);
+  TableCell row = table_ggx_roughness(along);
+  return layers_anisotropic_terms(entry, table_ggx(mu, row).y, table_ggx_curve(mu, row, curve).y);
 }
 
 /// Cosine-weighted means of the split-sum terms.
 SHADE_FN vec2 layers_ggx_mean(SHADE_IN(Surface) s) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_mean(s.row);
+  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_curve_mean(s.row, s.curve);
   vec2 entry = table_anisotropic_mean(sqrt(s.alpha_x), sqrt(s.alpha_y));
-  return vec2(1.0f - entry.x - entry.y, entry.y);
+  float from = 0.0f;
+  float to = 0.0f;
+  for (int i = 0; i < kAzimuths; ++i) {
+    TableCell row = table_ggx_roughness(layers_roughness_at(s, layers_azimuth(i)));
+    from += table_ggx_mean(row).y * (1.0f / float(kAzimuths));
+    to += table_ggx_curve_mean(row, s.curve).y * (1.0f / float(kAzimuths));
+  }
+  return layers_anisotropic_terms(entry, from, to);
 }
 
 SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surface) s) {
@@ -249,13 +283,13 @@ SHADE_FN void layers_prepare_coat(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOU
   s.coat_normal = p.clearcoat_normal;
   s.coat = p.clearcoat;
   s.coat_row = table_ggx_roughness(s.coat_roughness);
-  vec2 mean = table_ggx_mean(s.coat_row);
+  vec2 mean = table_ggx_curve_mean(s.coat_row, s.coat_curve);
   float escape_mean = 1.0f - mean.x - mean.y;
-  float share =
-      s.model.multiscatter ? multiscatter_share(kCoatF0 + (1.0f - kCoatF0) * (1.0f / 21.0f), 1.0f - escape_mean) : 0.0f;
+  float f_mean = kCoatF0 + (1.0f - kCoatF0) * table_walk_rise(s.coat_row, s.coat_curve);
+  float share = s.model.multiscatter ? multiscatter_share(f_mean, table_walk(s.coat_row)) : 0.0f;
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
-  vec2 ab = table_ggx(layers_coat_cosine(s, wo), s.coat_row);
+  vec2 ab = table_ggx_curve(layers_coat_cosine(s, wo), s.coat_row, s.coat_curve);
   s.coat_escape_o = s.is_coat_mirror ? 0.0f : base_escape(ab);
 }
 
@@ -275,9 +309,8 @@ SHADE_FN float layers_glass_escape_mean(SHADE_IN(Surface) s, float eta) {
 }
 
 /// Multiple scattering of a rough boundary between two transparent media, or within a sheet. What single scattering
-/// loses at wo leaves on either side: it has forgotten where it came from, so that the sides share it as n² (1 -
-/// albedo), which is also what reciprocity asks for. Kulla & Conty 2017, p. 20, with that choice for the free
-/// parameter.
+/// loses at wo leaves on either side. How much of it crosses is one number for both directions, as reciprocity asks
+/// (Kulla & Conty 2017, p. 20, leave it free); random walks say which.
 SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
   s.glass_escape_o = 0.0f;
   s.glass_reflected = 0.0f;
@@ -285,7 +318,8 @@ SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
   s.glass_multitransmit = vec3(0.0f);
   if (s.is_glass_delta || !s.model.multiscatter) return;
   if (s.is_thin) {
-    float reflected = shade_max3(fresnel_average_schlick(s.glass_f0_tinted, vec3(s.f90_dielectric)));
+    float rise = table_rise(table_curve(s.eta));
+    float reflected = shade_max3(s.glass_f0_tinted + (vec3(s.f90_dielectric) - s.glass_f0_tinted) * rise);
     float scale = s.weight_glass / (kShadePi * max(s.escape_mean, 1e-6f));
     s.glass_escape_o = s.escape_o;
     s.glass_reflected = reflected;
@@ -296,7 +330,8 @@ SHADE_FN void layers_prepare_glass(vec3 wo, SHADE_INOUT(Surface) s) {
   float here = max(layers_glass_escape_mean(s, s.eta), 1e-6f);
   float there = max(layers_glass_escape_mean(s, 1.0f / s.eta), 1e-6f);
   float n2 = s.eta * s.eta;
-  float through = there * n2 / (here + there * n2);
+  float across = table_glass_through(s.roughness, s.eta) * (s.eta >= 1.0f ? here : there * n2);
+  float through = min(across / here, 1.0f);
   s.glass_escape_o = max(1.0f - table_glass(wo.z, layers_roughness_along(s, wo), s.eta), 0.0f);
   s.glass_reflected = 1.0f - through;
   s.glass_multireflect = s.weight_glass * (1.0f - through) / (kShadePi * here);
@@ -311,15 +346,15 @@ SHADE_FN float layers_transmission_mean(SHADE_IN(Surface) s) {
     float t = i == 0 ? 0.0469100770f : i == 1 ? 0.2307653449f : i == 2 ? 0.5f : i == 3 ? 0.7692346551f : 0.9530899230f;
     float weight = i == 0 || i == 4 ? 0.1184634425f : i == 2 ? 0.2844444444f : 0.2393143352f;
     float mu = t * t;
-    sum += weight * 4.0f * t * mu *
-           layers_transmission(s, layers_at_cosines(s, mu, mu, s.roughness), table_ggx(mu, s.row));
+    vec2 ab = table_ggx_curve(mu, s.row, s.curve);
+    sum += weight * 4.0f * t * mu * layers_transmission(s, layers_at_cosines(s, mu, mu, s.roughness), ab, mu, s.row);
   }
   return sum;
 }
 
 /// How the lobes share the samples, by what each is estimated to reflect.
-SHADE_FN void layers_chances(vec3 wo, vec2 ab, SHADE_INOUT(Surface) s) {
-  float specular = shade_max3(base_specular_albedo(s, ab));
+SHADE_FN void layers_chances(vec3 wo, SHADE_INOUT(Surface) s) {
+  float specular = shade_max3(s.single_albedo_o);
   float lost = kShadePi * s.escape_mean * s.escape_o;
   float diffuse = shade_max3(s.diffuse) * s.transmission_o + shade_max3(s.multiscatter) * lost;
   float below = shade_max3(s.diffuse_below) * s.transmission_o;
@@ -381,13 +416,13 @@ SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec
   s.sheen_over_o = at.sheen_over.x;
   if (s.model.literal_layers) {
     // KHR_materials_clearcoat and _sheen as printed: by the view alone.
-    s.coat_over_o = 1.0f - s.coat * terms_coat_fresnel(layers_coat_cosine(s, wo));
+    s.coat_over_o = 1.0f - s.coat * terms_coat_fresnel(s, layers_coat_cosine(s, wo));
     s.sheen_over_o = 1.0f - s.sheen_weight * at.sheen_albedo;
   } else if ((s.lobes & (kLobeSheen | kLobeClearcoat)) != 0) {
-    s.transmission_o = layers_transmission(s, at, ab);
+    s.transmission_o = layers_transmission(s, at, ab, wo.z, layers_row_along(s, wo));
     s.diffuse_scale = 1.0f / max(layers_transmission_mean(s), 1e-6f);
   }
-  layers_chances(wo, ab, s);
+  layers_chances(wo, s);
 }
 
 SHADE_FN bool layers_is_delta(SHADE_IN(Surface) s) {
@@ -416,7 +451,8 @@ SHADE_FN vec3 layers_from_coat(SHADE_IN(Surface) s, vec3 w) {
 
 /// What the diffuse layer gets of the light from wi and returns to wo through all that lies above it.
 SHADE_FN vec3 layers_diffuse_through(SHADE_IN(Surface) s, vec3 wi, LayersAt at, vec2 ab) {
-  vec3 through = vec3(s.transmission_o * layers_transmission(s, at, ab) * s.diffuse_scale);
+  vec3 through =
+      vec3(s.transmission_o * layers_transmission(s, at, ab, abs(wi.z), layers_row_along(s, wi)) * s.diffuse_scale);
   if (!s.has_film_below) return through;
   return through * s.film_below_o * layers_film_below_at(s, ab, wi) * s.film_below_scale;
 }
@@ -438,13 +474,13 @@ SHADE_FN SurfaceEval layers_eval_coat(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   vec3 o = layers_to_coat(s, wo);
   vec3 i = layers_to_coat(s, wi);
   if (o.z <= 0.0f || i.z <= 0.0f) return r;
-  vec2 ab = table_ggx(i.z, s.coat_row);
+  vec2 ab = table_ggx_curve(i.z, s.coat_row, s.coat_curve);
   float f = s.coat_multiscatter * s.coat_escape_o * base_escape(ab);
   if (!s.is_coat_mirror) {
     vec3 wm = o + i;
     float cos_m = 0.5f * length(wm);
     wm = wm * (0.5f / cos_m);
-    f += terms_coat_fresnel(cos_m) * ggx_d(wm, s.coat_alpha) * ggx_v_smith(o, i, s.coat_alpha);
+    f += terms_coat_fresnel(s, cos_m) * ggx_d(wm, s.coat_alpha) * ggx_v_smith(o, i, s.coat_alpha);
     r.pdf = ggx_pdf_visible(o, wm, s.coat_alpha);
   }
   r.value = vec3(s.coat * f * i.z);
@@ -465,7 +501,7 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
   vec3 wm = wo + wi;
   float cos_m = 0.5f * length(wm);
   wm = wm * (0.5f / cos_m);
-  vec2 ab = layers_ggx(s, wi);
+  vec2 ab = layers_ggx(s, wi, s.curve);
   float escape = base_escape(ab);
   float over = layers_over(s, at);
 
@@ -512,7 +548,7 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
 SHADE_APART SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
   SurfaceEval r;
   float cos_i = -wi.z;
-  vec2 ab = layers_ggx(s, wi);
+  vec2 ab = layers_ggx(s, wi, s.curve);
   float across = layers_across(s, at);
   r.pdf = s.chance_diffuse_below * cosine_pdf(cos_i);
   r.value = s.diffuse_below * layers_diffuse_through(s, wi, at, ab) * (cos_i * (1.0f / kShadePi));
@@ -646,7 +682,7 @@ SHADE_APART SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, v
       r.is_delta = true;
       r.pdf = s.chance_coat;
       // The cosine cancels, so that no other normal's enters.
-      r.weight = vec3(s.coat * terms_coat_fresnel(o.z) / r.pdf);
+      r.weight = vec3(s.coat * terms_coat_fresnel(s, o.z) / r.pdf);
       return r;
     }
     vec3 o = layers_to_coat(s, wo);

@@ -67,14 +67,19 @@ struct Surface {
   vec3 f0_metal;
   float roughness;
   float alpha;
-  bool is_mirror;  ///< the specular lobe is a delta
-  TableCell row;   ///< of `roughness` in the tables of GGX
+  bool is_mirror;    ///< the specular lobe is a delta
+  TableCell row;     ///< of `roughness` in the tables of GGX
+  float index;       ///< of the dielectric boundary; 0 where its reflectance rises by Schlick's curve
+  float rise_scale;  ///< see fresnel_rise
+  float rise_mean;   ///< of that curve, over the facets that multiply scattered light meets
+  TableCell curve;   ///< and its place in the tables of GGX; Schlick's of a metal alone
 
   // ----- energy: what single scattering loses, and what the boundary lets through
   float escape_mean;       ///< 1 - mean albedo of single scattering between white facets
   float escape_o;          ///< 1 - that albedo at wo
   vec3 multiscatter;       ///< reflected share of what is lost / (π escape_mean)
-  vec3 specular_albedo_o;  ///< of the opaque facets at wo, multiple scattering included
+  vec3 single_albedo_o;    ///< of the opaque facets at wo, single scattering
+  vec3 specular_albedo_o;  ///< and multiple scattering included
   float boundary_f0;       ///< of the dielectric boundary above the diffuse layer, strongest channel
   float boundary_escape;   ///< its share of multiply scattered light
   float transmission_o;    ///< of everything above the diffuse layer at wo
@@ -94,7 +99,7 @@ struct Surface {
   float film_nm;
   vec3 film_f0_dielectric;  ///< of the matter below the film
   vec3 film_f0_metal;
-  vec3 film_beyond[kFilmCosines];  ///< what a dielectric's film reflects beyond Schlick's curve
+  vec3 film_beyond[kFilmCosines];  ///< what a dielectric's film reflects beyond the bare boundary's curve
   bool has_film_below;             ///< a diffuse layer may lie below a film
   vec3 film_escape;                ///< share of what single scattering loses that the film reflects
   vec3 film_below_o;      ///< of each channel that reaches the diffuse layer over the share of the strongest, at wo
@@ -129,6 +134,7 @@ struct Surface {
   bool is_coat_mirror;
   vec3 coat_normal;
   TableCell coat_row;
+  TableCell coat_curve;
   float coat_escape_share;  ///< share that it reflects of what its single scattering loses
   float coat_multiscatter;  ///< as `multiscatter`
   float coat_escape_o;
@@ -152,6 +158,17 @@ struct SurfaceSample {
   float pdf;    ///< per solid angle; of a delta lobe the probability of choosing it
   bool is_delta;
   bool is_straight;  ///< passed a sheet without turning: wi = -wo
+};
+
+/// Directional albedos at wo, each as it is left by what lies above it.
+struct SurfaceShares {
+  vec3 specular;  ///< opaque facets
+  vec3 diffuse;
+  vec3 below;    ///< diffuse light from the other side
+  vec3 glass;    ///< facets of the transparent part, reflected
+  vec3 through;  ///< and let through, tint included: of one sheet, or of one boundary of a body
+  vec3 sheen;
+  vec3 coat;
 };
 
 SHADE_FN SurfaceParams surface_params_default() {

@@ -9,7 +9,10 @@
 
 SHADE_BEGIN
 
-SHADE_FN float terms_coat_fresnel(float cos_theta) { return kCoatF0 + (1.0f - kCoatF0) * schlick_weight(cos_theta); }
+SHADE_FN float terms_coat_fresnel(SHADE_IN(Surface) s, float cos_theta) {
+  if (s.coat_curve.i > 0) return fresnel_dielectric(cos_theta, kCoatIndex);
+  return kCoatF0 + (1.0f - kCoatF0) * schlick_weight(cos_theta);
+}
 
 /// A film on a dielectric that reflects `f0`, seen from air.
 SHADE_FN vec3 terms_film(SHADE_IN(Surface) s, float cos_theta, vec3 f0) {
@@ -33,14 +36,9 @@ SHADE_FN float terms_exact_rise(float cos_theta, float eta, float f0) {
 SHADE_FN vec3 terms_fresnel_dielectric(SHADE_IN(Surface) s, float cos_theta) {
   vec3 f0 = s.film_f0_dielectric;
   vec3 f90 = vec3(s.f90_dielectric);
-  vec3 f = f0 + (f90 - f0) * schlick_weight(cos_theta);
-  if ((s.lobes & kLobeModel) != 0) {
-    if (s.model.fresnel == kFresnelSphericalGaussian) f = fresnel_spherical_gaussian(f0, cos_theta);
-    if (s.model.fresnel == kFresnelExact) {
-      // The index that reflects so much, for a boundary whose F0 an artist may have tinted.
-      float r = sqrt(min(shade_max3(f0), 0.999f));
-      f = f0 + (f90 - f0) * terms_exact_rise(cos_theta, (1.0f + r) / (1.0f - r), r * r);
-    }
+  vec3 f = f0 + (f90 - f0) * base_rise(s, cos_theta);
+  if ((s.lobes & kLobeModel) != 0 && s.model.fresnel == kFresnelSphericalGaussian) {
+    f = fresnel_spherical_gaussian(f0, cos_theta);
   }
   return s.iridescence > 0.0f ? mix(f, terms_film(s, cos_theta, f0), s.iridescence) : f;
 }

@@ -33,12 +33,16 @@ SHADE_CONST int kTableLobes = 32;      // roughnesses of, and cosines at, a lobe
 SHADE_CONST int kTableWidths = 20;     // roughnesses along either axis of an anisotropic lobe, and cosines
 SHADE_CONST int kTableAzimuths = 8;    // azimuths, by the roughness along them
 
-/// (A, B) of GGX with height-correlated Smith masking: the albedo for Schlick's F is F0·A + F90·B. [roughness][mu][2]
+/// (A, B) of GGX with height-correlated Smith masking: the albedo is F0·A + F90·B where F rises from F0 to F90 by
+/// Schlick's curve, the first one, or by that of an index (fresnel_rise). [curve][roughness][mu][2]
+SHADE_CONST int kTableCurves = 17;
 SHADE_CONST int kTableGgx = 0;
-/// Cosine-weighted means of (A, B). [roughness][2]
-SHADE_CONST int kTableGgxMean = kTableGgx + kTableRoughness * kTableMu * 2;
+SHADE_CONST int kTableGgxSlice = kTableRoughness * kTableMu * 2;
+/// Cosine-weighted means of (A, B), [curve][roughness][2], and of the curves themselves.
+SHADE_CONST int kTableGgxMean = kTableGgx + kTableCurves * kTableGgxSlice;
+SHADE_CONST int kTableRise = kTableGgxMean + kTableCurves * kTableRoughness * 2;
 /// Albedo of the sheen lobe, and the factor per direction that keeps it below 1. [roughness][mu]
-SHADE_CONST int kTableSheen = kTableGgxMean + kTableRoughness * 2;
+SHADE_CONST int kTableSheen = kTableRise + kTableCurves;
 SHADE_CONST int kTableSheenScale = kTableSheen + kTableRoughness * kTableMu;
 /// What a rough dielectric boundary reflects and refracts together without multiple scattering, seen from the rarer
 /// side and from the denser one: [side][index][roughness][mu]; and means, [side][index][roughness].
@@ -46,13 +50,13 @@ SHADE_CONST int kTableGlassSide = kTableIndices * kTableRoughness * kTableMu;
 SHADE_CONST int kTableGlass = kTableSheenScale + kTableRoughness * kTableMu;
 SHADE_CONST int kTableGlassMean = kTableGlass + 2 * kTableGlassSide;
 /// A lobe of GGX below a layer of weight 1 (a coat or a sheen) that lets T through: what dims it on the way in and on
-/// the way out alike, over √T, and the (A, B) of what is left, over T. [roughness of the layer][roughness of the
-/// lobe][mu][3]
+/// the way out alike, over √T, and the (A, B) of what is left, over T, by the curve of index 1.5. [roughness of the
+/// layer][roughness of the lobe][mu][3]
 SHADE_CONST int kTableOver = kTableLayers * kTableLobes * kTableLobes * 3;
 SHADE_CONST int kTableCoatOver = kTableGlassMean + 2 * kTableIndices * kTableRoughness;
 SHADE_CONST int kTableSheenOver = kTableCoatOver + kTableOver;
-/// What single scattering of white anisotropic GGX loses, and its B: [loss, B][roughness along x][along
-/// y][azimuth][mu]; and means, [loss, B][along x][along y].
+/// What single scattering of white anisotropic GGX loses, and its B by Schlick's curve: [loss, B][roughness along
+/// x][along y][azimuth][mu]; and means, [loss, B][along x][along y].
 SHADE_CONST int kTableAnisotropic = kTableSheenOver + kTableOver;
 SHADE_CONST int kTableAnisotropicSlice = kTableWidths * kTableWidths * kTableAzimuths * kTableWidths;
 SHADE_CONST int kTableAnisotropicMean = kTableAnisotropic + 2 * kTableAnisotropicSlice;
@@ -65,7 +69,15 @@ SHADE_CONST int kTableFilmMean = kTableFilm + kFilmCosines * kTableRoughness * k
 /// [roughness][mu][4]
 SHADE_CONST int kTableCosines = 32;  // of either
 SHADE_CONST int kTableCosine = kTableFilmMean + kFilmCosines * kTableRoughness;
-SHADE_CONST int kTableSize = kTableCosine + kTableCosines * kTableCosines * 4;
+/// Light that meets more than one facet, by random walks: the share of it that leaves after the second, and of what is
+/// left the share that leaves after each further one, [roughness][2]; and how far a curve has risen in the mean of the
+/// facets that it meets, [curve][roughness].
+SHADE_CONST int kTableWalk = kTableCosine + kTableCosines * kTableCosines * 4;
+SHADE_CONST int kTableWalkRise = kTableWalk + kTableRoughness * 2;
+/// Share of what single scattering at a rough dielectric boundary loses that leaves on the denser side, of light from
+/// the rarer one. [index][roughness]
+SHADE_CONST int kTableGlassThrough = kTableWalkRise + kTableCurves * kTableRoughness;
+SHADE_CONST int kTableSize = kTableGlassThrough + kTableIndices * kTableRoughness;
 
 // ----- interpolation
 
@@ -95,46 +107,139 @@ SHADE_FN float table_bilinear(int at, TableCell x, TableCell y, int width) {
 
 // ----- GGX
 
-/// Split-sum terms (A, B) at a cosine, for a roughness whose cell is known.
-SHADE_FN vec2 table_ggx(float mu, TableCell roughness) {
-  TableCell m = table_cell_mu(mu, kTableMu);
-  int a = kTableGgx + (roughness.i * kTableMu + m.i) * 2;
+/// Which curve the reflectance of a dielectric of this index (≥ 1) follows. They stand evenly in the root of x = (η -
+/// 1) / (η + 1) over 0 … kTableCurveMost, so that one of them is that of 1.5, which most surfaces have: then none other
+/// is read.
+SHADE_CONST float kTableCurveMost = 0.703125f;
+SHADE_CONST float kTableMostIndex = 5.7368421f;  // at that x
+SHADE_CONST int kTableCurveOfGlass = 9;          // index 1.5
+
+SHADE_FN TableCell table_curve(float eta) {
+  float x = max(eta - 1.0f, 0.0f) / (eta + 1.0f);
+  float s = min(sqrt(x * (1.0f / kTableCurveMost)), 1.0f) * float(kTableCurves - 2);
+  int lower = min(int(s + 1e-4f), kTableCurves - 3);
+  TableCell c;
+  c.i = lower + 1;
+  c.t = max(s - float(lower), 0.0f);
+  return c;
+}
+
+SHADE_FN TableCell table_curve_at(int curve) {
+  TableCell c;
+  c.i = curve;
+  c.t = 0.0f;
+  return c;
+}
+
+/// Schlick's.
+SHADE_FN TableCell table_curve_schlick() { return table_curve_at(0); }
+
+/// Cosine-weighted mean of a curve, 2 ∫ w(µ) µ dµ.
+SHADE_FN float table_rise(TableCell curve) {
+  float lower = shade_table(kTableRise + curve.i);
+  return curve.t > 0.0f ? mix(lower, shade_table(kTableRise + curve.i + 1), curve.t) : lower;
+}
+
+SHADE_FN vec2 table_ggx_slice(int at, TableCell mu, TableCell roughness) {
+  int a = at + (roughness.i * kTableMu + mu.i) * 2;
   int b = a + kTableMu * 2;
-  vec2 lower = mix(vec2(shade_table(a), shade_table(a + 1)), vec2(shade_table(a + 2), shade_table(a + 3)), m.t);
-  vec2 upper = mix(vec2(shade_table(b), shade_table(b + 1)), vec2(shade_table(b + 2), shade_table(b + 3)), m.t);
+  vec2 lower = mix(vec2(shade_table(a), shade_table(a + 1)), vec2(shade_table(a + 2), shade_table(a + 3)), mu.t);
+  vec2 upper = mix(vec2(shade_table(b), shade_table(b + 1)), vec2(shade_table(b + 2), shade_table(b + 3)), mu.t);
   return mix(lower, upper, roughness.t);
 }
 
-SHADE_FN vec2 table_ggx_mean(TableCell roughness) {
-  int a = kTableGgxMean + roughness.i * 2;
+SHADE_FN vec2 table_ggx_mean_slice(int at, TableCell roughness) {
+  int a = at + roughness.i * 2;
   return mix(vec2(shade_table(a), shade_table(a + 1)), vec2(shade_table(a + 2), shade_table(a + 3)), roughness.t);
 }
 
+/// Split-sum terms (A, B) at a cosine, for a roughness and a curve whose cells are known.
+SHADE_FN vec2 table_ggx_curve(float mu, TableCell roughness, TableCell curve) {
+  TableCell m = table_cell_mu(mu, kTableMu);
+  int at = kTableGgx + curve.i * kTableGgxSlice;
+  vec2 ab = table_ggx_slice(at, m, roughness);
+  if (curve.t > 0.0f) ab = mix(ab, table_ggx_slice(at + kTableGgxSlice, m, roughness), curve.t);
+  return ab;
+}
+
+SHADE_FN vec2 table_ggx_curve_mean(TableCell roughness, TableCell curve) {
+  int at = kTableGgxMean + curve.i * kTableRoughness * 2;
+  vec2 ab = table_ggx_mean_slice(at, roughness);
+  if (curve.t > 0.0f) ab = mix(ab, table_ggx_mean_slice(at + kTableRoughness * 2, roughness), curve.t);
+  return ab;
+}
+
+/// What random walks say of light that meets more than one facet, see kTableWalk.
+SHADE_FN vec2 table_walk(TableCell roughness) {
+  int a = kTableWalk + roughness.i * 2;
+  return mix(vec2(shade_table(a), shade_table(a + 1)), vec2(shade_table(a + 2), shade_table(a + 3)), roughness.t);
+}
+
+SHADE_FN float table_walk_rise(TableCell roughness, TableCell curve) {
+  int at = kTableWalkRise + curve.i * kTableRoughness;
+  float lower = table_linear(at, roughness);
+  return curve.t > 0.0f ? mix(lower, table_linear(at + kTableRoughness, roughness), curve.t) : lower;
+}
+
 #ifdef SHADE_FILTERED_TABLES
-// The same two tables in a texture that the driver interpolates: a row for each roughness, its cosines and then its
-// mean, each as (B, 1 - A - B), so that half floats keep what little a smooth surface loses. Whoever compiles the
-// shader fills it from the array.
+// The same tables in a texture that the driver interpolates: for each curve a row for each roughness, its cosines and
+// then its mean, each as (B, 1 - A - B), so that half floats keep what little a smooth surface loses, and what
+// table_walk and table_walk_rise have. Whoever compiles the shader fills it from the array.
 uniform highp sampler2D shade_ggx_texels;
 
-vec2 table_ggx_texel(float x, TableCell roughness) {
-  vec2 at = vec2(x + 0.5, float(roughness.i) + roughness.t + 0.5) / vec2(kTableMu + 1, kTableRoughness);
-  vec2 texel = textureLod(shade_ggx_texels, at, 0.0).xy;
+vec2 table_ggx_column(float x, TableCell roughness, TableCell curve) {
+  // No row is filtered with the next curve's: the last one is met in its middle.
+  vec2 at = vec2(x + 0.5, float(curve.i * kTableRoughness + roughness.i) + roughness.t + 0.5);
+  vec2 size = vec2(kTableMu + 3, kTableCurves * kTableRoughness);
+  vec2 texel = textureLod(shade_ggx_texels, at / size, 0.0).xy;
+  if (curve.t > 0.0) {
+    at.y += float(kTableRoughness);
+    texel = mix(texel, textureLod(shade_ggx_texels, at / size, 0.0).xy, curve.t);
+  }
+  return texel;
+}
+
+vec2 table_ggx_texel(float x, TableCell roughness, TableCell curve) {
+  vec2 texel = table_ggx_column(x, roughness, curve);
   return vec2(1.0 - texel.x - texel.y, texel.x);
 }
 
-vec2 table_ggx_filtered(float mu, TableCell roughness) {
-  return table_ggx_texel(sqrt(clamp(mu, 0.0, 1.0)) * float(kTableMu - 1), roughness);
+vec2 table_ggx_filtered(float mu, TableCell roughness, TableCell curve) {
+  return table_ggx_texel(sqrt(clamp(mu, 0.0, 1.0)) * float(kTableMu - 1), roughness, curve);
 }
 
-vec2 table_ggx_mean_filtered(TableCell roughness) { return table_ggx_texel(float(kTableMu), roughness); }
+vec2 table_ggx_mean_filtered(TableCell roughness, TableCell curve) {
+  return table_ggx_texel(float(kTableMu), roughness, curve);
+}
 
-#define table_ggx table_ggx_filtered
-#define table_ggx_mean table_ggx_mean_filtered
+vec2 table_walk_filtered(TableCell roughness) {
+  return table_ggx_column(float(kTableMu + 1), roughness, table_curve_schlick());
+}
+
+float table_walk_rise_filtered(TableCell roughness, TableCell curve) {
+  return table_ggx_column(float(kTableMu + 2), roughness, curve).x;
+}
+
+#define table_walk table_walk_filtered
+#define table_walk_rise table_walk_rise_filtered
+#define table_ggx_curve table_ggx_filtered
+#define table_ggx_curve_mean table_ggx_mean_filtered
 #endif
+
+/// The same by Schlick's curve.
+SHADE_FN vec2 table_ggx(float mu, TableCell roughness) { return table_ggx_curve(mu, roughness, table_curve_schlick()); }
+
+SHADE_FN vec2 table_ggx_mean(TableCell roughness) { return table_ggx_curve_mean(roughness, table_curve_schlick()); }
+
+/// B where a table knows that of one curve: `rise`, of what is like a lobe that has `from` by that curve and `to` by
+/// the one that is wanted. `share` is how much of the lobe it is.
+SHADE_FN float table_other_rise(float rise, float from, float to, float share) {
+  return to >= from ? rise + share * (to - from) : rise * (to / max(from, 1e-6f));
+}
 
 SHADE_FN TableCell table_ggx_roughness(float roughness) { return table_cell(roughness, kTableRoughness); }
 
-// ----- curves of reflectance other than Schlick's
+// ----- curves of reflectance other than a boundary's
 
 /// Chebyshev's points, between which a polynomial strays least.
 SHADE_FN float table_film_cosine(int i) {
@@ -209,6 +314,11 @@ SHADE_FN float table_glass(float mu, float roughness, float eta) {
 SHADE_FN float table_glass_mean(float roughness, float eta) {
   int at = kTableGlassMean + (eta < 1.0f ? kTableIndices * kTableRoughness : 0);
   return table_bilinear(at, table_cell(roughness, kTableRoughness), table_cell_index(eta), kTableRoughness);
+}
+
+SHADE_FN float table_glass_through(float roughness, float eta) {
+  return table_bilinear(kTableGlassThrough, table_cell(roughness, kTableRoughness), table_cell_index(eta),
+                        kTableRoughness);
 }
 
 // ----- layers over GGX

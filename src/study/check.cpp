@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "study/check_parts.h"
 
 namespace candela::study {
@@ -21,26 +22,35 @@ const char* severity_name(Severity severity) {
 }
 
 std::string material_label(const Scene& scene, int material) {
-  const std::string& name = scene.materials[static_cast<std::size_t>(material)].name;
-  return name.empty() ? fmt::format("material {}", material) : fmt::format("material '{}'", name);
+  const auto index = static_cast<std::size_t>(material);
+  const std::string& name = scene.materials[index].name;
+  return name.empty() ? fmt::format("material {}", number_of(scene.materials, index))
+                      : fmt::format("material '{}'", name);
 }
 
 std::string texture_label(const Scene& scene, int texture, const FileSurvey* survey) {
-  const Texture& t = scene.textures[static_cast<std::size_t>(texture)];
+  const auto index = static_cast<std::size_t>(texture);
+  const Texture& t = scene.textures[index];
   std::string name = t.name;
   const auto image = static_cast<std::size_t>(t.image);
   if (name.empty() && survey != nullptr && image < survey->images.size()) name = survey->images[image].name;
-  return name.empty() ? fmt::format("texture {}", texture) : fmt::format("texture '{}'", name);
+  return name.empty() ? fmt::format("texture {}", number_of(scene.textures, index)) : fmt::format("texture '{}'", name);
 }
 
 std::vector<Finding> check_asset(const CheckInput& input) {
+  const StopScope scope(input.stop);
   std::vector<Finding> findings;
   const std::vector<MaterialSurface> surfaces = material_surfaces(input.scene);
   check_file(input, findings);
+  StopScope::check();
   check_textures(input.scene, surfaces, findings);
+  StopScope::check();
   check_normal_maps(input.scene, surfaces, findings);
+  StopScope::check();
   check_surfaces(input.scene, surfaces, findings);
+  StopScope::check();
   check_volumes(input.scene, findings);
+  StopScope::check();
   check_lights(input.scene, findings);
   std::stable_sort(findings.begin(), findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <span>
 #include <string>
@@ -42,6 +43,8 @@ struct CheckInput {
   std::vector<std::string> extensions_ignored = {};  ///< not supported
   std::vector<std::string> extensions_missing = {};  ///< required, but not supported
   std::span<const Diagnostic> warnings = {};         ///< of the loader
+  const std::atomic<bool>* stop = nullptr;           ///< once set, the judgement ends with Interrupted
+  std::span<const Diagnostic> notes = {};            ///< of the loader
 };
 
 /// Judges surfaces, textures, bodies, lights and the file. The same scene gives the same findings in the same order,

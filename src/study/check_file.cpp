@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "scene/visibility.h"
 #include "study/check_parts.h"
 
 // What the file itself says: its extensions, images, vertices; and what the loader had to put right.
@@ -141,12 +142,24 @@ void pass_warnings(const CheckInput& input, std::vector<Finding>& findings) {
       if (!p.missing_uv_sets.empty()) without_uv.insert(p.where);
     }
   }
+  std::vector<std::string> lost;
+  if (input.survey != nullptr) {
+    for (const FileSurvey::Image& image : input.survey->images) {
+      if (!image.error.empty()) lost.push_back(image.error);
+    }
+  }
   for (const Diagnostic& warning : input.warnings) {
+    const bool is_image = std::any_of(lost.begin(), lost.end(),
+                                      [&](const std::string& error) { return warning.text().starts_with(error); });
+    if (is_image) continue;
     const std::string_view where = warning.where;
     // Extensions have findings of their own.
     if (where.ends_with("#/extensionsUsed") || where.ends_with("#/extensionsRequired")) continue;
     if (without_uv.contains(warning.where) && warning.message.find("TEXCOORD_") != std::string::npos) continue;
     findings.push_back(plain(Severity::warning, "file-oddity", warning.where, warning.message));
+  }
+  for (const Diagnostic& note : input.notes) {
+    findings.push_back(plain(Severity::note, "no-effect", note.where, note.message));
   }
 }
 
@@ -155,8 +168,11 @@ void judge_size(const Scene& scene, std::vector<Finding>& findings) {
   constexpr float kSmallest = 1e-3f;
   const Box3 box = world_bounds(scene);
   if (box.empty()) {
-    findings.push_back(plain(Severity::note, "nothing-to-see", {}, "the scene has no triangles"));
+    findings.push_back(plain(Severity::note, "nothing-to-see", {}, find_emptiness(scene)->message));
     return;
+  }
+  if (const auto emptiness = find_emptiness(scene)) {
+    findings.push_back(plain(Severity::warning, "vertex-far-out", {}, emptiness->message));
   }
   const float side = max_component(box.size());
   if (side <= kLargest && side >= kSmallest) return;
@@ -174,7 +190,9 @@ std::vector<Finding> check_images(const FileSurvey& survey) {
   for (std::size_t i = 0; i < survey.images.size(); ++i) {
     const FileSurvey::Image& image = survey.images[i];
     if (image.error.empty()) continue;
-    const std::string label = image.name.empty() ? fmt::format("image {}", i) : fmt::format("image '{}'", image.name);
+    const int number = image.file_index >= 0 ? image.file_index : static_cast<int>(i);
+    const std::string label =
+        image.name.empty() ? fmt::format("image {}", number) : fmt::format("image '{}'", image.name);
     findings.push_back(plain(Severity::error, "texture-unreadable", label, image.error));
   }
   return findings;
@@ -184,6 +202,9 @@ void check_file(const CheckInput& input, std::vector<Finding>& findings) {
   judge_extensions(input, findings);
   if (input.survey != nullptr) {
     judge_primitives(input.scene, *input.survey, findings);
+  }
+  if (input.survey != nullptr) {
+    for (Finding& f : check_images(*input.survey)) findings.push_back(std::move(f));
   }
   pass_warnings(input, findings);
   judge_size(input.scene, findings);

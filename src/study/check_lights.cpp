@@ -26,7 +26,7 @@ constexpr double kFaint = 1e-3;
 
 std::string light_label(const Scene& scene, std::size_t index) {
   const std::string& name = scene.lights[index].name;
-  return name.empty() ? fmt::format("light {}", index) : fmt::format("light '{}'", name);
+  return name.empty() ? fmt::format("light {}", number_of(scene.lights, index)) : fmt::format("light '{}'", name);
 }
 
 /// Flux of a point or spot in lumens, of its luminance.

@@ -126,7 +126,8 @@ std::vector<int> materials_of_placements(const Scene& scene) {
 /// What rays find that start just inside of a body.
 struct Crossing {
   std::uint32_t rays = 0;
-  std::uint32_t lost = 0;        ///< met nothing, or the body's front: they never learn that they left
+  std::uint32_t lost = 0;        ///< met nothing of the body's place, or its front: they never learn that they left
+  bool is_open = false;          ///< some edge has no face of the body on its other side, of whatever material or node
   std::vector<float> thickness;  ///< straight in along the normal to the far side, metres
   std::vector<float> authored;   ///< thicknessFactor × thicknessTexture × scale at the same points, metres
 };
@@ -140,8 +141,7 @@ float median(std::vector<float> values) {
 
 class BodyProbe {
  public:
-  BodyProbe(const Scene& scene, const path::Geometry& geometry, const std::vector<int>& materials)
-      : scene_(scene), geometry_(geometry), materials_(materials) {}
+  BodyProbe(const Scene& scene, const path::Geometry& geometry) : scene_(scene), geometry_(geometry) {}
 
   Crossing probe(int material, const std::vector<int>& placements, std::size_t points) const;
 
@@ -152,16 +152,23 @@ class BodyProbe {
 
   const Scene& scene_;
   const path::Geometry& geometry_;
-  const std::vector<int>& materials_;  ///< by placement
 };
 
 float BodyProbe::leave(int own, vec3 origin, vec3 direction, float clearance) const {
   const path::Hit hit = geometry_.intersect({origin, direction, 0.0f, kInfinity}, 0);
   if (!hit) return -1.0f;
-  const int material = materials_[static_cast<std::size_t>(hit.placement)];
-  if (!is_body(scene_.materials[static_cast<std::size_t>(material)])) return 0.0f;
+  const int body = geometry_.placement(own).body;
+  // What lies beyond the body's own box does not close it: a room around it.
+  const Box3& bounds = geometry_.bodies()[static_cast<std::size_t>(body)].bounds;
+  const vec3 p = origin + hit.t * direction;
+  const vec3 slack(1e-3f * max_component(bounds.size()));
+  if (glm::any(glm::lessThan(p, bounds.lower - slack)) || glm::any(glm::greaterThan(p, bounds.upper + slack))) {
+    return -1.0f;
+  }
+  const int met = geometry_.placement(hit.placement).body;
+  if (met == 0) return 0.0f;
   if (path::is_back_hit(geometry_, hit, direction)) return hit.t + clearance;
-  return material == materials_[static_cast<std::size_t>(own)] ? -1.0f : 0.0f;
+  return met == body ? -1.0f : 0.0f;
 }
 
 void BodyProbe::cast(const Bodies::Site& site, const path::TextureReader& thickness, vec2 u, Crossing& result) const {
@@ -201,6 +208,9 @@ Crossing BodyProbe::probe(int material, const std::vector<int>& placements, std:
   if (bodies.empty()) return result;
   const path::TextureReader thickness(scene_, scene_.materials[static_cast<std::size_t>(material)].thickness_texture,
                                       path::Encoding::data);
+  result.is_open = std::any_of(placements.begin(), placements.end(), [&](int i) {
+    return geometry_.bodies()[static_cast<std::size_t>(geometry_.placement(i).body)].is_open;
+  });
   constexpr std::uint32_t kSeed = 0x626f6479;
   for (std::uint32_t i = 0; i < points; ++i) {
     SobolSampler sampler(kSeed, i);
@@ -255,7 +265,7 @@ void judge_shape(int material, const Shape& shape, const Crossing& rays, std::ve
     return;
   }
   const double lost = rays.rays > 0 ? static_cast<double>(rays.lost) / rays.rays : 0.0;
-  if (shape.is_closed() || lost <= kLeak) return;
+  if (!rays.is_open || shape.is_closed() || lost <= kLeak) return;
   const bool is_winding = shape.inconsistent > shape.boundary;
   Finding f = body_finding(
       Severity::warning, is_winding ? "volume-inconsistent-winding" : "volume-open", material,
@@ -319,7 +329,7 @@ void check_volumes(const Scene& scene, std::vector<Finding>& findings) {
   for (std::size_t i = 0; i < materials.size(); ++i) {
     placements[static_cast<std::size_t>(materials[i])].push_back(static_cast<int>(i));
   }
-  const BodyProbe probe(scene, geometry, materials);
+  const BodyProbe probe(scene, geometry);
   const std::size_t points = std::clamp(kPointsInAll / bodies.size(), kLeastPoints, kMostPoints);
   std::vector<std::vector<Finding>> of_body(bodies.size());
   parallel_for(0, bodies.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -31,6 +31,7 @@ path::Settings path_settings(const FigureContext& context, int width, int height
   settings.height = height;
   settings.samples = context.settings().samples;
   settings.background = path::Background::transparent;
+  settings.environment_in_glass = true;  // the pages are of any colour
   return settings;
 }
 
@@ -40,6 +41,7 @@ raster::Settings raster_settings(int width, int height) {
   settings.height = height;
   settings.frames = 4;
   settings.background = raster::Background::transparent;
+  settings.environment_in_glass = true;
   return settings;
 }
 

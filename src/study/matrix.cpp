@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <set>
+#include <string>
 
 #include "base/parallel.h"
 
@@ -29,6 +31,8 @@ class Counter {
   const Tell& tell_;
 };
 
+bool is_raised(const std::atomic<bool>* stop) { return stop != nullptr && stop->load(); }
+
 bool is_bent(const SurfaceParams& p) { return (p.lobes & shade::kLobeTransmission) != 0 && !p.is_thin; }
 
 }  // namespace
@@ -42,21 +46,29 @@ bool keeps(const Measurement& m, const Promise& promise, bool is_bent) {
   return m.pdf <= kPdf && m.flaws.count == 0;
 }
 
-std::vector<MatrixRow> law_matrix(bool all, const Tell& tell) {
+std::vector<MatrixRow> law_matrix(bool all, const Tell& tell, const std::atomic<bool>* stop) {
   constexpr double kTolerance = 5e-5;
   std::vector<NamedSurface> table = law_surfaces();
   if (!all) std::erase_if(table, [](const NamedSurface& row) { return !row.is_core; });
   std::vector<Measurement> measured(table.size());
+  std::vector<char> is_measured(table.size(), 0);
   Counter counter(table.size(), tell);
   parallel_for(0, table.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = begin; i < end && !is_raised(stop); ++i) {
+      is_measured[i] = 1;
       measured[i] = measure(real_bsdf(table[i].params), kTolerance);
       counter.one_more();
     }
   });
 
+  // The worst of a group is known when all of it is measured.
+  std::set<std::string> incomplete;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (is_measured[i] == 0) incomplete.insert(table[i].group);
+  }
   std::vector<MatrixRow> matrix;
   for (std::size_t i = 0; i < table.size(); ++i) {
+    if (incomplete.contains(table[i].group)) continue;
     const Measurement& m = measured[i];
     if (matrix.empty() || matrix.back().group != table[i].group) {
       matrix.push_back({table[i].group, 0, m, table[i].promise, true});
@@ -132,6 +144,13 @@ vec3 deviation_color(double deviation) {
   return t < 0.0f ? vec3(down, down, up) : vec3(up, down, down);
 }
 
+/// Grey would say that nothing is lost.
+void blacken(Image& sheet, int left, int top) {
+  for (int y = 0; y < kCell; ++y) {
+    for (int x = 0; x < kCell; ++x) sheet.set_rgb(left + x, top + y, vec3(0.0f));
+  }
+}
+
 /// One sphere from its albedo by cosine (rows) and azimuth.
 void draw_sphere(Image& sheet, int left, int top, const std::vector<double>& albedo, int azimuths) {
   const double radius = 0.46 * kCell;
@@ -161,7 +180,7 @@ std::vector<std::string> furnace_sheet_rows() {
   return rows;
 }
 
-Image furnace_sheet(const Tell& tell) {
+Image furnace_sheet(const Tell& tell, const std::atomic<bool>* stop) {
   const std::vector<NamedSurface> materials = sheet_materials();
   const int rows = static_cast<int>(materials.size());
   Image sheet(kColumns * kCell, rows * kCell + kStrip, 3);
@@ -177,6 +196,10 @@ Image furnace_sheet(const Tell& tell) {
     for (std::size_t cell = begin; cell < end; ++cell) {
       const int row = static_cast<int>(cell) / kColumns;
       const int column = static_cast<int>(cell) % kColumns;
+      if (is_raised(stop)) {
+        blacken(sheet, column * kCell, row * kCell);
+        continue;
+      }
       SurfaceParams params = materials[static_cast<std::size_t>(row)].params;
       params.roughness = static_cast<float>(column) / (kColumns - 1);
       const int azimuths = (params.lobes & shade::kLobeAnisotropy) != 0 ? kAzimuths : 1;

@@ -323,6 +323,20 @@ void add_models(Table& table) {
       table.add("model gltf + sheen, metallic " + number(metallic), sheened, {false, false, 1.0, 1e30}, true);
     }
   }
+
+  // The default with other curves of reflectance keeps every law.
+  for (const bool is_f82 : {false, true}) {
+    for (const float metallic : {0.0f, 1.0f}) {
+      SurfaceParams p = white(metallic);
+      p.lobes = shade::kLobeModel;
+      p.model.fresnel = is_f82 ? shade::kFresnelF82 : shade::kFresnelSchlick;
+      const std::string name = std::string("model candela by ") + (is_f82 ? "F82" : "Schlick");
+      table.add(name + ", metallic " + number(metallic), p, {}, true);
+      with_coat(p, 0.2f);
+      // What a coat leaves of the lobe below is tabulated for the exact curve.
+      table.add(name + " + coat, metallic " + number(metallic), p, {true, true, 0.015, 0.015}, true);
+    }
+  }
 }
 
 }  // namespace

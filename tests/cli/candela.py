@@ -104,9 +104,9 @@ class CliTest(unittest.TestCase):
         return sorted(path.name for path in self.folder.iterdir())
 
 
-def triangle_glb(light=None):
+def triangle_glb(light=None, material=None):
     """One triangle 2 m wide in the plane z = 0, and two cameras in front of it: "near", and one on the node "far".
-    `light` of KHR_lights_punctual hangs 2 m in front of its middle."""
+    `light` of KHR_lights_punctual hangs 2 m in front of its middle; `material` is the triangle's."""
     positions = struct.pack("<9f", -1, 0, 0, 1, 0, 0, 0, 2, 0)
     lens = {"yfov": 0.8, "znear": 0.1}
     scene = {
@@ -134,6 +134,9 @@ def triangle_glb(light=None):
         scene["scenes"][0]["nodes"].append(3)
         scene["extensionsUsed"] = ["KHR_lights_punctual"]
         scene["extensions"] = {"KHR_lights_punctual": {"lights": [light]}}
+    if material:
+        scene["materials"] = [material]
+        scene["meshes"][0]["primitives"][0]["material"] = 0
     text = json.dumps(scene).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(positions), b"BIN\0") + positions

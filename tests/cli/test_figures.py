@@ -192,7 +192,7 @@ class Figures(CliTest):
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 0, err)
+        self.assertEqual(process.returncode, 130, err)
         self.assertIn(b"interrupted", err)
         out = self.folder / "out"
         page = Page(out / "index.html")

@@ -55,10 +55,10 @@ class Info(CliTest):
     def test_materials_say_their_lobes_and_variants_are_listed(self):
         (self.folder / "a.gltf").write_text(variants_gltf().replace('"material": 0', '"material": 1'))
         info = self.json_of("a.gltf")
-        self.assertEqual(info["materials"], [{"name": "red", "lobes": ["metallic-roughness", "clearcoat"]}])
+        self.assertEqual(info["materials"], [{"index": 1, "name": "red", "lobes": ["metallic-roughness", "clearcoat"]}])
         self.assertEqual(info["variants"], ["noon", "sunset"])
         text = self.succeeds("info", "a.gltf").out
-        self.assertRegex(text, r"(?m)^ +0 red: metallic-roughness, clearcoat$")
+        self.assertRegex(text, r"(?m)^ +1 red: metallic-roughness, clearcoat$")
         self.assertRegex(text, r"(?m)^variants +2\n +0 noon\n +1 sunset$")
 
     def test_textures_have_sizes_and_memory(self):
@@ -143,8 +143,9 @@ class Info(CliTest):
         self.assertEqual(
             status, {"KHR_materials_ior": (False, "supported"), "VENDOR_unheard_of": (False, "ignored")}
         )
-        self.assertEqual(len(info["warnings"]), 1)
+        self.assertEqual(len(info["warnings"]), 2)
         self.assertIn("VENDOR_unheard_of", info["warnings"][0])
+        self.assertIn("nothing in the scene has a mesh", info["warnings"][1])
         self.assertEqual(info["animations"], 0)
         self.assertIn("VENDOR_unheard_of", self.succeeds("info", "a.gltf").out)
 
@@ -173,20 +174,23 @@ class Info(CliTest):
         self.assertEqual(len(info["warnings"]), 1)
 
     def test_no_count_is_better_than_a_wrong_one(self):
-        # Compressed geometry would read as zeros; an image in a format of the extension's has no size that we know.
-        for extension, more in {
-            "KHR_draco_mesh_compression": {"accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}]},
-            "VENDOR_image_format": {
-                "materials": [{"emissiveTexture": {"index": 0}}],
-                "textures": [{"source": 0}],
-                "images": [{"bufferView": 0, "mimeType": "image/vendor"}],
-                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
-            },
-        }.items():
-            with self.subTest(extension=extension):
-                info = self.file_that_requires(extension, **more)
-                self.assertNotIn("triangles", info)
-                self.assertRegex(info["warnings"][-1], "the scene cannot be read")
+        # Compressed geometry would read as zeros.
+        accessors = [{"componentType": 5126, "count": 3, "type": "VEC3"}]
+        info = self.file_that_requires("KHR_draco_mesh_compression", accessors=accessors)
+        self.assertNotIn("triangles", info)
+        self.assertRegex(info["warnings"][-1], "the scene cannot be read")
+
+    def test_an_image_in_an_unknown_format_does_not_hide_the_rest(self):
+        info = self.file_that_requires(
+            "VENDOR_image_format",
+            materials=[{"emissiveTexture": {"index": 0}}],
+            textures=[{"source": 0}],
+            images=[{"bufferView": 0, "mimeType": "image/vendor"}],
+            meshes=[{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        )
+        self.assertEqual(info["triangles"], 1)
+        self.assertIn("#/images/0", info["images"][0]["error"])
+        self.assertRegex(info["warnings"][-1], "#/images/0: .*shown without it")
 
     def test_damage_is_an_error_whatever_the_file_requires(self):
         scene = {"asset": {"version": "2.0"}, "extensionsUsed": [], "scenes": [{"nodes": [7]}]}

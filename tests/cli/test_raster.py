@@ -74,7 +74,7 @@ class Pictures(RasterTest):
             self.refuses(*SPHERES, *option, says=option[0])
         self.refuses(*TRACED, "--msaa", "2", says="--msaa")
 
-    def test_a_scene_that_only_glows_is_told(self):
+    def test_a_scene_that_only_glows_is_lit_by_what_glows(self):
         arguments = ("--size", "16x12", "--engine", "raster", "--env", "none", "-o", "a.png")
         # Lamps painted on a bent surface.
         points = struct.pack("<12f6H", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 2, 0, 3, 1)
@@ -91,9 +91,18 @@ class Pictures(RasterTest):
             "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
                           {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
                           {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2"}]}))  # fmt: skip
-        self.assertIn("only what glows", self.draws("render", "lamps.gltf", *arguments).err)
+        self.assertNotIn("warning", self.draws("render", "lamps.gltf", *arguments).err)
         self.assertNotIn("warning", self.draws("render", "demo:cornell", *arguments).err)
         self.assertNotIn("warning", self.draws(*SPHERES, "-o", "b.png").err)
+
+    def test_every_shading_model_draws_a_picture_of_its_own(self):
+        pictures = {"default": self.probe.read_bytes()}
+        for model in ("gltf", "ue4", "thesis", "blinn-phong", "candela,multiscatter=off"):
+            self.draws(*SPHERES, "-o", "model.png", "--shading", model)
+            pictures[model] = (self.folder / "model.png").read_bytes()
+        self.assertEqual(len(set(pictures.values())), len(pictures), list(pictures))
+        self.draws(*SPHERES, "-o", "model.png", "--shading", "candela")
+        self.assertEqual((self.folder / "model.png").read_bytes(), pictures["default"])
 
     def test_no_opengl_says_what_was_tried_and_what_helps(self):
         nowhere = environment(self.elsewhere, __EGL_VENDOR_LIBRARY_DIRS="/nonexistent", __EGL_VENDOR_LIBRARY_FILENAMES="")

@@ -54,6 +54,38 @@ class Pictures(CliTest):
         for found, wanted in zip(rows[0][:3], (0x40, 0x80, 0xC0)):
             self.assertLessEqual(abs(found - wanted), 1)
 
+    def test_glass_shows_the_background_or_the_room(self):
+        glass = {
+            "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 0, 1], "metallicFactor": 0, "roughnessFactor": 0},
+            "doubleSided": True,
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}},
+        }
+        (self.folder / "glass.glb").write_bytes(triangle_glb(material=glass))
+
+        def middle(name, *options):
+            self.succeeds("render", "glass.glb", "--size", "16x12", "--spp", "64", "--env", "furnace", "--exposure", "0",
+                          "-o", name, *options)  # fmt: skip
+            width, height, channels, rows = png_pixels(self.folder / name)
+            return rows[height // 2][width // 2 * channels : (width // 2 + 1) * channels]
+
+        for engine in ("path", "raster"):
+            with self.subTest(engine=engine):
+                engine = ["--engine", engine]
+                red, green, blue = middle("a.png", "--background", "#2040c0", *engine)
+                self.assertLess(red, 90)
+                self.assertLess(blue, 90)  # the filter is yellow
+                # A filter that takes all blue keeps 0.07 of the brightness, and glass reflects 0.04 of the rest.
+                self.assertLess(abs(middle("b.png", "--background", "transparent", *engine)[3] - 28), 8)
+                room = middle("c.png", "--background", "#2040c0", "--glass", "env", *engine)
+                self.assertGreater(min(room[0], room[1]), 150)
+                self.assertEqual(middle("d.png", "--background", "transparent", "--glass", "env", *engine)[3], 255)
+                # Every picture of several has its own.
+                self.succeeds("render", "glass.glb", *TINY, "--env", "furnace", "-o", "%d.png", "--turntable", "2",
+                              "--background", "transparent", *engine)  # fmt: skip
+                for name in ("0.png", "1.png"):
+                    width, height, channels, rows = png_pixels(self.folder / name)
+                    self.assertLess(rows[height // 2][width // 2 * channels + 3], 128)
+
     def test_threads_do_not_change_a_bit(self):
         for threads in ("1", "2"):
             self.succeeds(*SPHERES, "--size", "40x30", "--spp", "4", "--threads", threads, "-o", threads + ".exr",

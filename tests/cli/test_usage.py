@@ -24,7 +24,7 @@ class Usage(CliTest):
         for option in (
             "--output --variant --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
             "--target --fov --f-number --focus-distance --blades --vignetting --env --sun-elevation --env-rotation "
-            "--env-intensity --light-falloff --background --exposure --tonemap --aov --stats --quiet --strict --engine"
+            "--env-intensity --light-falloff --background --glass --exposure --tonemap --aov --stats --quiet --strict --engine"
         ).split():
             self.assertIn(option, text)
         self.assertIn("candela render demo:materials -o", text)
@@ -51,6 +51,42 @@ class Usage(CliTest):
         self.refuses("info", says="FILE")
         self.refuses("render", "", says="SCENE")
         self.refuses("info", "", says="FILE")
+
+    def test_glass_without_another_background_is_no_wish(self):
+        for glass in ("background", "env"):
+            self.refuses("render", "demo:spheres", "--glass", glass, says="--glass")
+            self.refuses("render", "demo:spheres", "--glass", glass, "--background", "env", says="--background")
+
+    def test_an_option_that_would_have_no_effect_is_refused_by_name(self):
+        ball = ("render", "demo:spheres")
+        raster = (*ball, "--engine", "raster")
+        for option, value in {"--time": "1s", "--noise": "0.1", "--bounces": "2", "--seed": "1", "--filter": "box",
+                              "--integrator": "full"}.items():  # fmt: skip
+            self.refuses(*raster, option, value, says=f"{option}: only for --engine path")
+        for option, value in {"--msaa": "4", "--view": "normal", "--ao": "0.1", "--light-radius": "1", "--ambient": "none",
+                              "--probes": "2", "--shaders": "/tmp"}.items():  # fmt: skip
+            self.refuses(*ball, option, value, says=f"{option}: only for --engine raster")
+        for flag in ("--no-cache", "--soft-shadows"):
+            self.refuses(*ball, flag, says=f"{flag}: only for --engine raster")
+        for view in ("roughness", "luminance", "non-finite"):
+            for option, value in {"--exposure": "1", "--tonemap": "agx", "--bloom": "0.1"}.items():
+                self.refuses(*raster, "--view", view, option, value, says=f"{option}: --view shows numbers")
+        self.refuses(*raster, "--view", "normal", "--msaa", "2", says="--msaa: --view shows numbers")
+        self.refuses(*raster, "--probes", "2", "--ambient", "none", says="--ambient: .*--probes")
+        self.refuses(*raster, "--f-number", "2", "--spp", "1", says="--f-number: of one frame")
+        bake = ("bake", "sky", "-o", "out")
+        self.refuses(*bake, "--samples", "16", says="--samples: only for --method fis")
+        self.refuses(*bake, "--table-size", "16", says="--table-size: only with --tables")
+        self.refuses(*bake, "--spp", "16", says="--spp: only with --from-scene")
+        self.refuses(*bake, "--profile", "three", "--sheen", says="--sheen: three has no levels")
+        scene = ("bake", "--from-scene", "demo:cornell", "--at", "0,0,0", "-o", "out")
+        self.refuses(*scene, "--axes", "+x+y+z", says="--axes: only for cube maps")
+        tables = ("bake", "--tables", "-o", "out")
+        for option, value in {"--size": "16", "--levels": "2", "--method": "zonal", "--sh-order": "3", "--proof": "1",
+                              "--env-intensity": "2"}.items():  # fmt: skip
+            self.refuses(*tables, option, value, says=f"{option}: there is no environment")
+        for more in (("-o", "out"), ("--size", "16"), ("--tables",), ("--env-rotation", "3")):
+            self.refuses("bake", "--diff", "a.ktx2", "b.ktx2", *more, says="--diff compares")
 
     def test_unknown_option(self):
         self.refuses("render", "demo:spheres", "--sppp", "3", says="--sppp")
@@ -79,6 +115,7 @@ class Usage(CliTest):
             "--tonemap": ["filmic", ""],
             "--variant": [""],
             "--background": ["#12345", "#gggggg", "1,2", "mauve", "-1,0,0", "nan,0,0"],
+            "--glass": ["none", "transparent", ""],
             "--aov": ["colour", "albedo,,normal", ""],
             "--filter": ["mitchell"],
             "--integrator": ["bidirectional"],

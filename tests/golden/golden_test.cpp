@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <string_view>
 
 #include "candela/candela.h"
 #include "image/flip.h"
@@ -27,12 +28,17 @@ namespace fs = std::filesystem;
 /// of 128 and of 256 bits the pictures here differ by up to 0.00003, and another version of it may round a texel at an
 /// edge otherwise. A light that is 5 % brighter is above 0.01.
 constexpr double kSame = 0.003;
+/// Likewise of demo:materials, whose lamp has a mask: which samples of a pixel its coverage sets is the driver's choice
+/// (OpenGL ES 3.0, §4.1.3). The llvmpipes of Mesa 22.3 and 25.0 differ there in 90 pixels, by 0.0054 of the mean.
+constexpr double kSameMask = 0.007;
 
 struct Case {
   const char* name;
   const char* scene;
   const char* environment;
   raster::Settings settings = {};
+
+  double bound() const { return std::string_view(scene) == "demo:materials" ? kSameMask : kSame; }
 };
 
 raster::Settings with(const std::function<void(raster::Settings&)>& change) {
@@ -95,7 +101,7 @@ TEST_P(golden, picture_is_as_it_was) {
   const Image expected = read_image(fs::path(CANDELA_GOLDEN) / (std::string(GetParam().name) + ".png"));
   const double difference = flip_mean(expected, shown(found));
   RecordProperty("flip", std::to_string(difference));
-  EXPECT_LT(difference, kSame);
+  EXPECT_LT(difference, GetParam().bound());
 }
 
 INSTANTIATE_TEST_SUITE_P(raster, golden, testing::ValuesIn(cases()), [](const auto& test) {
@@ -107,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(raster, golden, testing::ValuesIn(cases()), [](const au
 TEST_F(golden_sensitivity, five_percent_more_light_is_seen) {
   if (std::getenv("CANDELA_GOLDEN_UPDATE") != nullptr) GTEST_SKIP();
   const Case c = cases().front();
-  EXPECT_GT(flip_mean(shown(draw(c)), shown(draw(c, 1.05f))), 2.0 * kSame);
+  EXPECT_GT(flip_mean(shown(draw(c)), shown(draw(c, 1.05f))), 1.3 * c.bound());
 }
 
 }  // namespace

@@ -18,8 +18,11 @@ bool is_plain(const SurfaceParams& p) { return p.lobes == 0; }
 bool is_mirror(const SurfaceParams& p) { return shade::roughness_to_alpha(p.roughness) < shade::kGgxMirrorAlpha; }
 bool is_metal(const SurfaceParams& p) { return p.metallic == 1.0f; }
 bool is_black(const SurfaceParams& p) { return p.base_color == vec3(0.0f); }
-bool has_boundary(const SurfaceParams& p) { return is_plain(p) && p.metallic < 1.0f && p.specular > 0.0f; }
-bool has_specular(const SurfaceParams& p) { return is_plain(p) && (p.metallic > 0.0f || p.specular > 0.0f); }
+// Between two media of the same index there is none.
+bool has_boundary(const SurfaceParams& p) {
+  return is_plain(p) && p.metallic < 1.0f && p.specular > 0.0f && p.ior != 1.0f;
+}
+bool has_specular(const SurfaceParams& p) { return is_plain(p) && (p.metallic > 0.0f || has_boundary(p)); }
 bool has_diffuse(const SurfaceParams& p) {
   return is_plain(p) && p.metallic < 1.0f && !is_black(p) && (p.ior != 0.0f || p.specular < 1.0f);
 }
@@ -114,7 +117,7 @@ vec3 specular_value(const Surface& s, vec3 wo, vec3 wi) {
 
 // With what scatters many times between facets left out: of smooth dielectrics, where it is nothing.
 vec3 diffuse_value(const Surface& s, vec3 wi) {
-  const float into = shade::base_transmission(s, shade::table_ggx(wi.z, s.row));
+  const float into = shade::base_transmission(s, shade::table_ggx_curve(wi.z, s.row, s.curve));
   return shade::lambert_f(s.diffuse) * (s.transmission_o * into * s.diffuse_scale * wi.z);
 }
 
@@ -259,7 +262,7 @@ std::vector<Mutant> energy_mutants() {
   const auto blended_f0 = [](const SurfaceParams& p) {
     return with_surface(p, [](Surface& s) {
       const vec3 f0 = s.weight_dielectric * s.f0_dielectric + s.weight_metal * s.f0_metal;
-      s.multiscatter = shade::multiscatter_share3(shade::schlick_mean(f0, 1.0f), 1.0f - s.escape_mean) /
+      s.multiscatter = shade::multiscatter_share3(f0 + (1.0f - f0) * s.rise_mean, shade::table_walk(s.row)) /
                        (shade::kShadePi * s.escape_mean);
     });
   };

@@ -35,6 +35,13 @@ const std::vector<Row>& rows() {
       {"eon_f", {.relative = 1e-3}},
       // 1 less an albedo, which is next to 1 where a boundary is smooth.
       {"layers_glass_escape_mean", {.floor = 1e-2}},
+      // The same: near the normal almost all goes through.
+      {"fresnel_rise", {.floor = 1e-2}},
+      {"base_rise", {.floor = 1e-2}},
+      // Sums over facets of width 0.001, whose lobe has one or two digits of its direction.
+      {"layers_model_specular", {.outliers = 1e-2}},
+      {"layers_shares", {.outliers = 1e-2}},
+      {"surface_shares", {.outliers = 1e-2}},
       // Edges that cancel: what is left of terms of up to π, over 2 π.
       {"area_share", {.floor = 3e-2}},
       {"area_edge*", {.floor = 1e-2}},
@@ -62,7 +69,10 @@ const std::vector<MemberRow>& member_rows() {
       // And that itself.
       {"Surface.glass_reflected", 100.0},  // a ratio of such
       {"Surface.*escape*", 100.0},
+      {"Surface.single_albedo_o", 100.0},
       {"Surface.specular_albedo_o", 100.0},  // which it is a part of, of dark boundaries the larger
+      // What is left of a position among tens of entries.
+      {"TableCell.t", 30.0},
       // What is left of two reflectances that are nearly the same.
       {"Surface.film_beyond", 100.0},
   };

@@ -164,6 +164,10 @@ const std::vector<Row>& rows() {
       {"wavelength_lobe:i", whole(0, 4)},
 
       // ----- one function
+      {"fresnel_rise:eta", uniform(1.0f, 2.5f)},
+      {"fresnel_rise:scale", uniform(1.0f, 1.25f)},
+      {"fresnel_rise_scale:eta", uniform(1.0f, 2.5f)},
+      {"table_curve*:eta", uniform(1.0f, 6.0f)},
       {"area_*:[abcd]", uniform(-2.0f, 2.0f)},
       {"area_*:down", uniform(-2.0f, 2.0f)},
       {"area_*:up", uniform(-2.0f, 2.0f)},
@@ -300,6 +304,7 @@ const std::vector<Maker>& makers() {
       {"Surface", {"surface_prepare"}},
       {"LayersAt", {"layers_at"}},
       {"TableCell table_ggx*:roughness", {"table_ggx_roughness"}},
+      {"TableCell curve", {"table_curve", "table_curve_schlick"}},
       {"TableCell", {"table_cell", "table_cell_mu"}},
       {"FilmFringes", {"film_fringes"}},
       {"FilmBoundary", {"film_boundary_s", "film_boundary_p"}},

@@ -45,5 +45,5 @@ void main() {
     if (dot(toward, sun_directions[i].xyz) >= sun_directions[i].w) color += sun_radiances[i];
   }
 #endif
-  o_color = vec4(color, 1.0);
+  o_color = vec4(min(color, vec3(65504.0)), 1.0);
 }

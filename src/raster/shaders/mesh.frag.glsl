@@ -21,7 +21,7 @@ in vec4 v_color;
 flat in float v_scale;
 #endif
 #ifdef HAS_AREAS
-uniform int own_area;  // which area light this surface is itself, or -1
+uniform int own_areas;  // bit i: area light i is part of this surface
 #endif
 
 uniform highp samplerCube specular_light;
@@ -39,11 +39,30 @@ uniform highp sampler2D opaque_picture;
 #if defined(SHOW) && SHOW == SHOW_id
 uniform float object_id;
 #endif
+#if (defined(BLENDED_PART) || defined(IN_BODY)) && !defined(SHOW)
+#include "layer_slack.glsl"
+
+// Depths of this picture: of the nearest glass, of the boundary of the body that the eye is in, then of blended surfaces
+// from near to far.
+uniform highp sampler2DArray depth_layers;
+#endif
+#if defined(BLENDED_PART) && !defined(SHOW)
+uniform ivec4 depth_slice;  // the layers between which a draw shows what is there, or -1; that of glass, or -1; 1: what
+                            // is before it, 0: all else
+#endif
+#ifdef IN_BODY
+uniform vec3 body_extinction;
+#endif
 
 layout(location = 0) out vec4 o_color;
 #if defined(HAS_SCATTERING) && !defined(SHOW)
 layout(location = 1) out vec4 o_scattered;  // light that spreads; a: distance along the view
 layout(location = 2) out vec4 o_width;      // and how wide
+#endif
+
+#ifdef HAS_THROUGH
+layout(location = 3) out vec4 o_through;  // what glass lets through of a background that is not in the picture
+vec3 seen_through = vec3(0.0);
 #endif
 
 // ----- geometry
@@ -135,7 +154,7 @@ vec3 relief_normal(vec3 n) {
 
 Point make_point(bool is_back) {
   Point p;
-  p.wo = eye.w > 0.5 ? normalize(eye.xyz - v_position) : back.xyz;
+  p.wo = is_perspective > 0.5 ? normalize(eye - v_position) : back;
   vec3 ng = cross(dFdx(v_position), dFdy(v_position));
   float ng2 = dot(ng, ng);
   ng = ng2 > 0.0 ? ng * inversesqrt(ng2) : p.wo;
@@ -292,7 +311,7 @@ SurfaceParams fetch_params() {
 /// Antialiasing with Projected-Space NDF Filtering", with their constants.
 float antialiased_roughness(float roughness, vec3 n) {
   vec3 dx = dFdx(n), dy = dFdy(n);
-  float variance = light.z * 0.25 * (dot(dx, dx) + dot(dy, dy));
+  float variance = sample_area * 0.25 * (dot(dx, dx) + dot(dy, dy));
   float alpha = roughness_to_alpha(roughness);
   return sqrt(sqrt(clamp(alpha * alpha + min(2.0 * variance, 0.18), 0.0, 1.0)));
 }
@@ -300,7 +319,8 @@ float antialiased_roughness(float roughness, vec3 n) {
 // ----- light from far away
 
 #ifdef HAS_PROBES
-uniform vec4 probe_position;  // w: levels of its cube
+uniform vec3 probe_position;
+uniform float probe_levels;  // of its cubes
 uniform vec3 probe_low;
 uniform vec3 probe_high;
 
@@ -310,17 +330,29 @@ vec3 probe_direction(vec3 direction) {
   vec3 to_low = (probe_low - v_position) / direction, to_high = (probe_high - v_position) / direction;
   vec3 far = max(to_low, to_high);
   float t = min(far.x, min(far.y, far.z));
-  return t > 0.0 ? v_position + direction * t - probe_position.xyz : direction;
+  return t > 0.0 ? v_position + direction * t - probe_position : direction;
 }
 #endif
 
-vec3 prefiltered(vec3 direction, float alpha) {
-  float levels = light.x;
+float far_light_level(float alpha) {
 #ifdef HAS_PROBES
-  direction = probe_direction(direction);
-  levels = probe_position.w;
+  return image_light_level(alpha, probe_levels);
+#else
+  return image_light_level(alpha, light_levels);
 #endif
-  return textureLod(specular_light, direction, image_light_level(alpha, levels)).rgb;
+}
+
+/// Where the cubes of light from far away show what lies in a direction.
+vec3 far_light_direction(vec3 direction) {
+#ifdef HAS_PROBES
+  return probe_direction(direction);
+#else
+  return direction;
+#endif
+}
+
+vec3 prefiltered(vec3 direction, float alpha) {
+  return textureLod(specular_light, far_light_direction(direction), far_light_level(alpha)).rgb;
 }
 
 vec3 mirrored_light(Point p, vec3 n, float alpha) {
@@ -338,13 +370,13 @@ float occlusion() {
   vec2 at = gl_FragCoord.xy * 0.5 - 0.5;
   ivec2 corner = ivec2(floor(at)), most = textureSize(screen_visibility, 0) - 1;
   vec2 f = fract(at);
-  float depth = dot(eye.xyz - v_position, back.xyz);
+  float depth = dot(eye - v_position, back);
   float sum = 0.0, weight = 1e-5;
   for (int i = 0; i < 4; ++i) {
     ivec2 d = ivec2(i & 1, i >> 1);
     vec2 texel = texelFetch(screen_visibility, clamp(corner + d, ivec2(0), most), 0).xy;
     float w = (d.x == 1 ? f.x : 1.0 - f.x) * (d.y == 1 ? f.y : 1.0 - f.y);
-    w *= max(1.0 - 20.0 * abs(texel.y - depth) / max(depth, 1e-6), 0.0) + 1e-4;
+    w *= max(1.0 - 20.0 * abs(texel.y - depth) / max(depth, 1e-30), 0.0) + 1e-4;
     sum += w * texel.x;
     weight += w;
   }
@@ -356,9 +388,10 @@ float occlusion() {
 
 #ifdef HAS_TRANSMISSION
 /// What is seen through the surface along a direction that leaves it at `exit` (world): the opaque picture, blurred by
-/// `alpha`, and where it shows nothing the light from far away.
-vec3 behind(vec3 exit, vec3 direction, float alpha) {
-#ifdef HAS_FAR_LIGHT
+/// `alpha`, and where it shows nothing (`open`) the light from far away or a background that comes later.
+vec3 behind(vec3 exit, vec3 direction, float alpha, out float open) {
+  open = 1.0;
+#if defined(HAS_FAR_LIGHT) && !defined(HAS_THROUGH)
   vec3 far = prefiltered(direction, alpha);
 #else
   vec3 far = vec3(0.0);
@@ -367,17 +400,31 @@ vec3 behind(vec3 exit, vec3 direction, float alpha) {
   vec4 clip = clip_from_world * vec4(exit, 1.0);
   vec2 uv = clip.xy / clip.w * 0.5 + 0.5;
   // A lobe of width α covers about α of the picture's height per unit of distance over depth.
-  float level = clamp(log2(max(target.y * alpha, 1.0)), 0.0, target.z - 1.0);
+  float level = clamp(log2(max(picture_height * alpha, 1.0)), 0.0, picture_levels - 1.0);
   vec4 near = textureLod(opaque_picture, uv, level);
   vec2 edge = smoothstep(vec2(0.0), vec2(0.04), uv) * (1.0 - smoothstep(vec2(0.96), vec2(1.0), uv));
   float inside = clip.w > 0.0 ? edge.x * edge.y : 0.0;
-  return mix(far, near.rgb + (1.0 - near.a) * far, inside);
+  open = 1.0 - inside * near.a;
+  return inside * near.rgb + open * far;
 #else
   return far;
 #endif
 }
 
-vec3 transmitted_light(Point p, SurfaceParams params, float alpha) {
+vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open) {
+  float seen_open;
+#if defined(IN_BODY) && defined(HAS_BODY)
+  if (!gl_FrontFacing) {
+    // Out of the body that the eye is in. What is outside is taken to be as far from the boundary as the eye.
+    float n = max(params.ior, 1.0);
+    vec3 outside = refract(-p.wo, p.normal, n);
+    if (dot(outside, outside) < 0.5) outside = -p.wo;
+    float far_alpha = alpha * clamp(2.0 * n - 2.0, 0.0, 1.0);
+    vec3 seen = behind(v_position + outside * distance(eye, v_position), outside, far_alpha, seen_open);
+    open = vec3(seen_open);
+    return seen;
+  }
+#endif
   float thickness = 0.0;
 #ifdef HAS_BODY
   thickness = transmission.y * v_scale;
@@ -385,7 +432,13 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha) {
   thickness *= thickness_texel().g;
 #endif
 #endif
-  if (params.is_thin || thickness <= 0.0) return behind(v_position, -p.wo, alpha);
+  // Of a body one boundary is drawn, which takes half of its colour; the other half is the far one's.
+  vec3 left = params.is_thin ? vec3(1.0) : sqrt(params.base_color);
+  if (params.is_thin || thickness <= 0.0) {
+    vec3 seen = behind(v_position, -p.wo, alpha, seen_open);
+    open = left * seen_open;
+    return left * seen;
+  }
   float n = max(params.ior, 1.0);
   // The lobe narrows as the bend does.
   float bent_alpha = alpha * clamp(2.0 * n - 2.0, 0.0, 1.0);
@@ -397,23 +450,29 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha) {
     float ni = n + half_spread * float(i - (rays == 3 ? 1 : 0));
     vec3 inner = refract(-p.wo, p.normal, 1.0 / ni);
     if (dot(inner, inner) < 0.5) inner = -p.wo;
-    vec3 seen = behind(v_position + inner * thickness, inner, bent_alpha);
+    vec3 seen = behind(v_position + inner * thickness, inner, bent_alpha, seen_open);
     if (rays == 1) {
       color = seen;
+      open = vec3(seen_open);
     } else if (i == 0) {
       color.r = seen.r;
+      open.r = seen_open;
     } else if (i == 1) {
       color.g = seen.g;
+      open.g = seen_open;
     } else {
       color.b = seen.b;
+      open.b = seen_open;
     }
   }
-  return color * exp(-extinction.rgb * thickness);
+  left *= exp(-extinction.rgb * thickness);
+  open *= left;
+  return color * left;
 }
 #endif
 
 /// 1 where a part of the light is shown.
-float part(int bit) { return (counts.y & bit) != 0 ? 1.0 : 0.0; }
+float part(int bit) { return (shown_parts & bit) != 0 ? 1.0 : 0.0; }
 
 vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
   vec3 n = p.normal;
@@ -439,7 +498,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #endif
 #ifdef HAS_SHEEN
 #ifdef HAS_SHEEN_LIGHT
-  color += shares.sheen * textureLod(sheen_light, 2.0 * wo.z * n - p.wo, image_light_level(roughness_to_alpha(s.sheen_roughness), light.x)).rgb * (part(8) * visible);
+  color += shares.sheen * textureLod(sheen_light, far_light_direction(2.0 * wo.z * n - p.wo), far_light_level(roughness_to_alpha(s.sheen_roughness))).rgb * (part(8) * visible);
 #else
   color += shares.sheen * texture(diffuse_light, n).rgb * (part(8) * visible / kShadePi);
 #endif
@@ -452,7 +511,11 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #endif
 #endif
 #if defined(HAS_TRANSMISSION) && !defined(IS_SCATTERING)
-  color += shares.through * transmitted_light(p, params, s.alpha) * part(16);
+  vec3 open;
+  color += shares.through * transmitted_light(p, params, s.alpha, open) * part(16);
+#ifdef HAS_THROUGH
+  seen_through = shares.through * open;
+#endif
 #endif
   return color;
 }
@@ -478,10 +541,10 @@ vec3 area_light(Point p, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
   mat3 coat_lobe = area_lobe(max(dot(nc, p.wo), 0.0), sqrt(s.coat_alpha)) * viewer_frame(nc, p.wo);
 #endif
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < counts.w; ++i) {
-    if (i == own_area || (counts.z >= 0 && counts.z != counts.x + i)) continue;
+  for (int i = 0; i < area_count; ++i) {
+    if (shown_light >= 0 && shown_light != light_count + i) continue;
     vec3 c[4];
-    if (!area_corners(areas[i], v_position, c)) continue;
+    if (!area_corners(areas[i], (own_areas >> i & 1) == 1, v_position, c)) continue;
     float seen = area_seen(local, c);
     vec3 value = shares.diffuse * seen + (shares.specular + shares.glass) * area_seen(lobe, c);
 #ifdef HAS_LAYERS
@@ -494,7 +557,7 @@ vec3 area_light(Point p, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
 #endif
 #endif
     if (shade_max3(value) <= 0.0) continue;
-    sum += value * areas[i].color.rgb * area_shadow(areas[i], v_position, p.vertex_normal);
+    sum += value * areas[i].color * area_shadow(areas[i], v_position, p.vertex_normal);
   }
   return sum;
 }
@@ -512,8 +575,8 @@ vec3 scattered_light(Point p, SurfaceShares shares) {
   vec3 arriving = vec3(0.0);
 #endif
 #ifdef HAS_LIGHTS
-  for (int i = 0; i < counts.x; ++i) {
-    if (counts.z >= 0 && counts.z != i) continue;
+  for (int i = 0; i < light_count; ++i) {
+    if (shown_light >= 0 && shown_light != i) continue;
     vec3 wi;
     vec3 e = light_arriving(lights[i], v_position, wi);
     float cosine = dot(n, wi);
@@ -523,10 +586,10 @@ vec3 scattered_light(Point p, SurfaceShares shares) {
 #endif
 #ifdef HAS_AREAS
   mat3 local = viewer_frame(n, p.wo);
-  for (int i = 0; i < counts.w; ++i) {
+  for (int i = 0; i < area_count; ++i) {
     vec3 c[4];
-    if (i == own_area || !area_corners(areas[i], v_position, c)) continue;
-    arriving += areas[i].color.rgb * (kShadePi * area_seen(local, c) * area_shadow(areas[i], v_position, p.vertex_normal));
+    if (!area_corners(areas[i], (own_areas >> i & 1) == 1, v_position, c)) continue;
+    arriving += areas[i].color * (kShadePi * area_seen(local, c) * area_shadow(areas[i], v_position, p.vertex_normal));
   }
 #endif
   // Light leaves a thin body before it has taken on its colour: matched by eye to spheres that the path tracer shows.
@@ -553,7 +616,10 @@ struct Shading {
 Shading prepare(bool is_back) {
   Point p = make_point(is_back);
   SurfaceParams params = fetch_params();
-  params.roughness = max(antialiased_roughness(params.roughness, p.normal), light.y);
+  params.roughness = max(antialiased_roughness(params.roughness, p.normal), least_roughness);
+#if defined(IN_BODY) && defined(HAS_BODY)
+  if (is_back) params.eta = 1.0 / max(params.ior, 1.0);
+#endif
 
   // ----- the local frame
   vec3 t = p.tangent - p.normal * dot(p.normal, p.tangent);
@@ -601,15 +667,15 @@ vec4 shaded() {
 #endif
 #ifdef IS_SCATTERING
 #ifdef HAS_SCATTERING
-  o_scattered = vec4(scattered_light(p, shares), dot(eye.xyz - v_position, back.xyz));
+  o_scattered = vec4(scattered_light(p, shares), dot(eye - v_position, back));
   o_width = vec4(scatter.rgb * v_scale, 0.0);
 #else
   color += scattered_light(p, shares);
 #endif
 #endif
 #ifdef HAS_LIGHTS
-  for (int i = 0; i < counts.x; ++i) {
-    if (counts.z >= 0 && counts.z != i) continue;
+  for (int i = 0; i < light_count; ++i) {
+    if (shown_light >= 0 && shown_light != i) continue;
     vec3 wi;
     vec3 e = light_arriving(lights[i], v_position, wi);
     bool is_outside = dot(p.vertex_normal, wi) > 0.0;
@@ -638,7 +704,7 @@ vec4 quantity(float opacity) {
 #if SHOW == SHOW_position
   return vec4(v_position, 1.0);
 #elif SHOW == SHOW_depth
-  return vec4(vec3(eye.w > 0.5 ? distance(eye.xyz, v_position) : dot(eye.xyz - v_position, back.xyz)), 1.0);
+  return vec4(vec3(is_perspective > 0.5 ? distance(eye, v_position) : dot(eye - v_position, back)), 1.0);
 #elif SHOW == SHOW_id
   return vec4(vec3(object_id), 1.0);
 #elif SHOW == SHOW_normal
@@ -675,8 +741,8 @@ vec4 quantity(float opacity) {
 #endif
 #elif SHOW == SHOW_cascades
 #ifdef HAS_LIGHTS
-  for (int i = 0; i < counts.x; ++i) {
-    if (int(lights[i].position.w) != 2 || lights[i].cone.z < 0.0) continue;
+  for (int i = 0; i < light_count; ++i) {
+    if (lights[i].kind != kDirectionalLight || lights[i].first_shadow < 0) continue;
     int c = light_cascade(lights[i], v_position);
     return vec4(c == 0 ? vec3(0.8, 0.1, 0.1) : c == 1 ? vec3(0.1, 0.8, 0.1) : c == 2 ? vec3(0.1, 0.2, 0.9) : vec3(0.8, 0.7, 0.1), 1.0);
   }
@@ -694,10 +760,33 @@ vec4 quantity(float opacity) {
 }
 #endif
 
+#if defined(BLENDED_PART) && !defined(SHOW)
+/// Whether another draw shows what is here.
+bool is_elsewhere() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float depth = gl_FragCoord.z - layer_slack();
+  if (depth_slice.x >= 0 && depth <= texelFetch(depth_layers, ivec3(at, depth_slice.x), 0).x) return true;
+  if (depth_slice.y >= 0 && depth > texelFetch(depth_layers, ivec3(at, depth_slice.y), 0).x) return true;
+  if (depth_slice.z < 0) return false;
+  float glass = texelFetch(depth_layers, ivec3(at, depth_slice.z), 0).x;
+  bool is_before_glass = glass < 1.0 && depth <= glass;
+  return is_before_glass != (depth_slice.w == 1);
+}
+#endif
+
+#ifdef IN_BODY
+/// What is left of light on its way to the eye in a body, from here or from where it enters the body.
+vec3 passing_body() {
+  float boundary = texelFetch(depth_layers, ivec3(ivec2(gl_FragCoord.xy), 1), 0).x;
+  if (gl_FragCoord.z - layer_slack() > boundary) return vec3(1.0);
+  return exp(-body_extinction * distance(eye.xyz, v_position));
+}
+#endif
+
 void main() {
   float opacity = 1.0;
 #ifdef HAS_height
-  vec3 wo = eye.w > 0.5 ? normalize(eye.xyz - v_position) : back.xyz;
+  vec3 wo = is_perspective > 0.5 ? normalize(eye - v_position) : back;
   vec3 n = normalize(v_normal);
   find_relief(dot(n, wo) < 0.0 ? -n : n, wo);
 #endif
@@ -717,6 +806,13 @@ void main() {
 #endif
 #ifdef ALPHA_BLEND
   opacity = clamp(fetch_opacity(), 0.0, 1.0);
+#ifdef OPAQUE_PART
+  if (opacity < kOpaqueAlpha) discard;
+  opacity = 1.0;
+#endif
+#if defined(BLENDED_PART) && !defined(SHOW)
+  if (opacity >= kWholeAlpha || opacity < kLeastAlpha || is_elsewhere()) discard;
+#endif
 #endif
 #ifdef SHOW
 #if SHOW != SHOW_opacity && SHOW != SHOW_overdraw
@@ -724,10 +820,27 @@ void main() {
 #endif
   o_color = quantity(opacity);
 #else
-  o_color = shaded();
+  // What half floats hold: beyond it a picture would have infinities.
+  o_color = min(shaded(), vec4(65504.0));
+#endif
+#ifdef HAS_THROUGH
+  o_through = vec4(seen_through, 1.0);
+#endif
+#if defined(IN_BODY) && !defined(SHOW)
+  vec3 passing = passing_body();
+  o_color.rgb *= passing;
+#ifdef HAS_SCATTERING
+  o_scattered.rgb *= passing;
+#endif
+#ifdef HAS_THROUGH
+  o_through.rgb *= passing;
+#endif
 #endif
 #if defined(ALPHA_BLEND) && !defined(SHOW)
   o_color = o_color * opacity;
+#ifdef HAS_THROUGH
+  o_through = o_through * opacity;
+#endif
 #endif
 #ifdef ALPHA_TO_COVERAGE
   o_color.a = opacity;

@@ -8,6 +8,7 @@ layout(location = 4) in vec4 a_color;
 layout(location = 5) in vec4 a_world_0;  // rows of world_from_object
 layout(location = 6) in vec4 a_world_1;
 layout(location = 7) in vec4 a_world_2;
+layout(location = 8) in vec4 a_node_color;
 
 invariant gl_Position;  // so that depths drawn before are met again
 
@@ -38,7 +39,7 @@ void main() {
   v_tangent = vec4(dot(x, a_tangent.xyz), dot(y, a_tangent.xyz), dot(z, a_tangent.xyz), a_tangent.w * side);
 #endif
 #ifdef HAS_COLOR
-  v_color = a_color;
+  v_color = a_color * a_node_color;
 #endif
 #ifdef HAS_SCALE
   v_scale = pow(abs(dot(x, cross(y, z))), 1.0 / 3.0);

@@ -5,6 +5,9 @@
 // for Accurate Indirect Occlusion", §4.
 
 uniform highp sampler2D depth_map;
+#ifdef HAS_CULLED
+uniform highp sampler2D culled_map;  // the same with what turns its back to the eye
+#endif
 uniform mat4 clip_from_camera;
 uniform vec4 reach;  // radius in metres, pixels per metre at distance 1, turn of the planes, 1 = perspective
 
@@ -13,14 +16,25 @@ layout(location = 0) out vec4 o_visibility;
 const int kPlanes = 2;
 const int kSteps = 5;
 
-vec3 position_at(ivec2 pixel, ivec2 size) {
+vec3 position_in(highp sampler2D map, ivec2 pixel, ivec2 size) {
   pixel = clamp(pixel, ivec2(0), size - 1);
-  float depth = texelFetch(depth_map, pixel, 0).x * 2.0 - 1.0;
+  float depth = texelFetch(map, pixel, 0).x * 2.0 - 1.0;
   vec2 ndc = (vec2(pixel) + 0.5) / vec2(size) * 2.0 - 1.0;
   mat4 m = clip_from_camera;
   if (reach.w < 0.5) return vec3((ndc.x - m[3].x) / m[0].x, (ndc.y - m[3].y) / m[1].y, (depth - m[3].z) / m[2].z);
   float along = m[3].z / (depth + m[2].z);
   return vec3((ndc.x + m[2].x) * along / m[0].x, (ndc.y + m[2].y) * along / m[1].y, -along);
+}
+
+vec3 position_at(ivec2 pixel, ivec2 size) { return position_in(depth_map, pixel, size); }
+
+/// Cosine between the view and what lies at `to`, or `open` where that is too far away to matter.
+float horizon_of(vec3 to, vec3 v, float open) {
+  float l = length(to);
+  // What is farther off than the radius occludes less and less: it would not be seen from a ray's end either.
+  float near = clamp(1.5 - 1.5 * l / reach.x, 0.0, 1.0);
+  // Two degrees are the roundings of depth and the chords of curved surfaces.
+  return mix(open, dot(to, v) / max(l, 1e-9) - 0.035, near);
 }
 
 void main() {
@@ -66,12 +80,11 @@ void main() {
       for (int k = 0; k < kSteps; ++k) {
         float t = (float(k) + fract(noise * 7.0 + 0.37 * float(i))) / float(kSteps);
         vec2 offset = direction * (sgn * max(t * t * radius, float(k) + 1.0));
-        vec3 to = position_at(pixel + ivec2(round(offset)), size) - c;
-        float l = length(to);
-        // What is farther off than the radius occludes less and less: it would not be seen from a ray's end either.
-        float near = clamp(1.5 - 1.5 * l / reach.x, 0.0, 1.0);
-        // Two degrees are the roundings of depth and the chords of curved surfaces.
-        highest = max(highest, mix(open, dot(to, v) / max(l, 1e-9) - 0.035, near));
+        ivec2 there = pixel + ivec2(round(offset));
+        highest = max(highest, horizon_of(position_at(there, size) - c, v, open));
+#ifdef HAS_CULLED
+        highest = max(highest, horizon_of(position_in(culled_map, there, size) - c, v, open));
+#endif
       }
       horizon[side] = sgn * acos(clamp(highest, -1.0, 1.0));
     }

@@ -128,5 +128,41 @@ TEST(unit_base_file, what_is_no_readable_file_is_an_error_that_names_it) {
   }
 }
 
+TEST(unit_base_file, every_name_of_a_file_is_the_same_file) {
+  namespace fs = std::filesystem;
+  const TempFolder folder;
+  write_file(folder / "a.png", std::string("a"));
+  write_file(folder / "b.png", std::string("a"));
+  fs::create_directory(folder / "sub");
+  fs::create_hard_link(folder / "a.png", folder / "hard.png");
+  fs::create_symlink("../a.png", folder / "sub" / "soft.png");
+  fs::create_directory_symlink(".", folder / "here");
+  const std::string a = file_identity(folder / "a.png");
+  for (const char* name : {"./a.png", "sub/../a.png", "hard.png", "sub/soft.png", "here/a.png", "here/here/hard.png"}) {
+    EXPECT_EQ(file_identity(folder / name), a) << name;
+  }
+  EXPECT_NE(file_identity(folder / "b.png"), a);
+  // Of what is not there yet a name has to do, which some file systems do not tell from another case.
+  const std::string absent = file_identity(folder / "new.png");
+  EXPECT_NE(absent, a);
+  for (const char* name : {"./new.png", "sub/../new.png", "here/new.png", "NEW.png"}) {
+    EXPECT_EQ(file_identity(folder / name), absent) << name;
+  }
+  EXPECT_NE(file_identity(folder / "sub/new.png"), absent);
+}
+
+TEST(unit_base_file, a_fingerprint_tells_every_changed_byte) {
+  std::vector<std::byte> bytes(61);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i * 7);
+  const std::uint64_t whole = fingerprint(bytes);
+  EXPECT_EQ(fingerprint(bytes), whole);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    bytes[i] ^= std::byte{1};
+    EXPECT_NE(fingerprint(bytes), whole) << i;
+    bytes[i] ^= std::byte{1};
+  }
+  EXPECT_NE(fingerprint(std::span(bytes).first(60)), whole);
+}
+
 }  // namespace
 }  // namespace candela

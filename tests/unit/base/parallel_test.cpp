@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/error.h"
+
 namespace candela {
 namespace {
 
@@ -47,6 +49,29 @@ TEST(unit_base_parallel, the_limit_bounds_the_threads_at_work) {
   });
   EXPECT_EQ(most, 1);
   EXPECT_GE(ThreadLimit(0).threads(), 1);
+}
+
+TEST(unit_base_parallel, a_raised_flag_ends_the_work_of_its_scope_and_no_other) {
+  std::atomic<bool> stop = false;
+  std::atomic<int> done = 0;
+  const auto work = [&] {
+    parallel_for(0, 1000, 1, [&](std::size_t, std::size_t) {
+      if (++done == 10) stop = true;
+    });
+  };
+  {
+    const StopScope scope(&stop);
+    EXPECT_NO_THROW(StopScope::check());
+    EXPECT_THROW(work(), Interrupted);
+    EXPECT_LT(done, 1000);
+    EXPECT_THROW(StopScope::check(), Interrupted);
+    const StopScope inner(nullptr);  // a caller that asks for nothing does not lift what is asked for further out
+    EXPECT_THROW(StopScope::check(), Interrupted);
+  }
+  EXPECT_NO_THROW(StopScope::check());
+  done = 0;
+  work();
+  EXPECT_EQ(done, 1000);
 }
 
 }  // namespace

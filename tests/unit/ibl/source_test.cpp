@@ -60,21 +60,6 @@ TEST(ibl_source, the_points_of_a_disc_have_its_flux_and_moments) {
   EXPECT_NEAR(second / flux.x, 0.5 * 0.02 * 0.02, 1e-7);
 }
 
-TEST(ibl_source, repairs_are_counted_and_placed) {
-  Image image(4, 2, 3);
-  image.set_rgb(0, 0, vec3(2.0f));
-  image.set_rgb(2, 0, vec3(std::numeric_limits<float>::infinity(), 1.0f, 1.0f));
-  image.set_rgb(3, 1, vec3(std::numeric_limits<float>::quiet_NaN(), 1.0f, -3.0f));
-  const Repairs found = repair(image);
-  EXPECT_EQ(found.not_finite, 2U);
-  EXPECT_EQ(found.first_not_finite, ivec2(2, 0));
-  EXPECT_EQ(found.negative, 1U);
-  EXPECT_EQ(found.first_negative, ivec2(3, 1));
-  EXPECT_EQ(image.rgb(2, 0), vec3(2.0f, 1.0f, 1.0f));
-  EXPECT_EQ(image.rgb(3, 1), vec3(0.0f, 1.0f, 0.0f));
-  EXPECT_EQ(repair(image).not_finite, 0U);
-}
-
 TEST(ibl_source, darkness_is_refused) { EXPECT_THROW(make_source(make_environment("none")), Error); }
 
 }  // namespace

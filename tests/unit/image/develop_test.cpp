@@ -146,6 +146,73 @@ TEST(unit_image_develop, alpha_is_straight_in_the_display_image) {
   EXPECT_EQ(clear.rgba, (std::vector<std::uint8_t>{0, 0, 0, 0}));
 }
 
+/// A pane over the whole picture that shows `light` and lets `through` of what is behind.
+Film glass_film(vec3 light, vec3 through, float coverage = 1.0f) {
+  Film film = flat_film(4, 4, light, 1.0f);
+  Image image(4, 4, 4);
+  for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
+    for (int c = 0; c < 3; ++c) image.pixels[i + static_cast<std::size_t>(c)] = through[c];
+    image.pixels[i + 3] = coverage;
+  }
+  set_through(std::move(image), film);
+  return film;
+}
+
+TEST(unit_image_develop, a_background_is_seen_through_coloured_glass_in_its_own_colours) {
+  const vec3 light(0.2f, 0.1f, 0.05f), through(0.9f, 0.5f, 0.0f), background(0.3f, 0.4f, 0.8f);
+  for (const ToneCurve curve : kCurves) {
+    for (const float coverage : {1.0f, 0.25f}) {
+      // Where the pane ends the rest of the pixel is background.
+      const vec3 open = through * coverage + (1.0f - coverage);
+      const DisplayImage image =
+          develop(glass_film(light * coverage, open, coverage),
+                  {.exposure = 1.5f, .tone_curve = curve, .background = background, .dither = false});
+      const vec3 shown = coverage * shade::tone_map(static_cast<int>(curve), light * 1.5f) + open * background;
+      const vec3 exact = shade::srgb_encode(glm::min(shown, vec3(1.0f))) * 255.0f;
+      for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(image.rgba[c], exact[static_cast<int>(c)], 0.51f);
+      ASSERT_EQ(image.rgba[3], 255);
+    }
+  }
+}
+
+TEST(unit_image_develop, a_plain_background_stays_plain_beside_glass) {
+  const Film nothing = glass_film(vec3(0.0f), vec3(1.0f), 0.0f);
+  for (const float bloom : {0.0f, 0.1f}) {
+    const DisplayImage image =
+        develop(nothing, {.exposure = 1.0f, .background = vec3(1.0f, 0.0f, 1.0f), .bloom = bloom});
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+      EXPECT_EQ(image.rgba[i], 255);
+      EXPECT_EQ(image.rgba[i + 1], 0);
+      EXPECT_EQ(image.rgba[i + 2], 255);
+    }
+  }
+  EXPECT_EQ(develop(nothing, {.exposure = 1.0f}).rgba[3], 0);
+}
+
+TEST(unit_image_develop, alpha_of_glass_is_what_it_keeps_unless_it_reflects_more) {
+  const DevelopSettings settings{.exposure = 1.0f, .tone_curve = ToneCurve::linear, .dither = false};
+  EXPECT_EQ(develop(glass_film(vec3(0.02f), vec3(0.9f)), settings).rgba[3], 26);
+  EXPECT_EQ(develop(glass_film(vec3(0.0f), vec3(0.9f, 0.9f, 0.0f)), settings).rgba[3],
+            static_cast<int>(255.0f * (1.0f - 0.9f * 0.9278f) + 0.5f));
+  // A highlight of half of white over glass that keeps a tenth: over black it shows as what it is.
+  const DisplayImage highlight = develop(glass_film(vec3(0.5f), vec3(0.9f)), settings);
+  EXPECT_EQ(highlight.rgba[3], 128);
+  EXPECT_EQ(highlight.rgba[0], 255);
+}
+
+TEST(unit_image_film, what_shows_through_is_averaged_like_the_picture) {
+  const Film a = glass_film(vec3(0.2f), vec3(0.9f, 0.5f, 0.1f)), b = glass_film(vec3(0.6f), vec3(0.1f), 0.5f);
+  Film mean;
+  accumulate(a, 0.5f, mean);
+  accumulate(b, 0.5f, mean);
+  EXPECT_NEAR(mean.through.at(1, 1)[0], 0.5f, 1e-6f);
+  EXPECT_NEAR(mean.through.at(1, 1)[2], 0.1f, 1e-6f);
+  EXPECT_NEAR(mean.through.at(1, 1)[3], 0.75f, 1e-6f);
+  EXPECT_NEAR(mean.beauty.at(1, 1)[3], alpha_before({0.5f, 0.3f, 0.1f}), 1e-6f);
+  EXPECT_EQ(alpha_before(vec3(0.0f)), 1.0f);
+  EXPECT_EQ(alpha_before(vec3(1.0f)), 0.0f);
+}
+
 TEST(unit_image_develop, tone_curve_names_are_those_of_the_command_line) {
   for (const char* name : {"pbr-neutral", "agx", "aces", "reinhard", "exponential", "linear"})
     EXPECT_EQ(tone_curve_name(parse_tone_curve(name)), name);

@@ -122,6 +122,24 @@ TEST(unit_image_exr, alpha_is_left_out_of_an_opaque_film) {
   EXPECT_EQ(read_image(folder / "a.exr").channels, 4);
 }
 
+TEST(unit_image_exr, what_coloured_glass_lets_through_is_there_and_grey_is_alpha) {
+  const TempFolder folder;
+  Film film;
+  film.beauty = Image(3, 2, 4);
+  Image through(3, 2, 4);
+  for (std::size_t i = 0; i < through.pixels.size(); ++i) through.pixels[i] = i % 4 == 3 ? 1.0f : 0.75f;
+  set_through(through, film);
+  const auto channels = [&] {
+    write_exr(folder / "a.exr", film);
+    return read_exr_header(folder / "a.exr").channels;
+  };
+  EXPECT_EQ(channels(), (std::vector<std::string>{"A", "B", "G", "R"}));
+  through.pixels[2] = 0.25f;
+  set_through(through, film);
+  EXPECT_EQ(channels(), (std::vector<std::string>{"A", "B", "G", "R", "through.B", "through.G", "through.R"}));
+  EXPECT_NEAR(read_image(folder / "a.exr").at(0, 0)[3], 1.0f - (0.75f - 0.0722f * 0.5f), 1e-6f);
+}
+
 TEST(unit_image_exr, the_same_film_gives_the_same_bytes_on_any_number_of_threads) {
   const TempFolder folder;
   const Film film = random_film(200, 150);

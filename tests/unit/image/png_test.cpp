@@ -211,6 +211,23 @@ TEST(unit_image_png, sizes_that_cannot_be_are_refused_before_the_pixels_are_allo
   }
 }
 
+TEST(unit_image_png, what_is_too_large_is_called_so_and_not_damaged) {
+  // 32768 x 8 is a valid PNG, and so are all sizes below 2^31.
+  for (const auto& [width, height] : {std::pair{16385, 1}, {1, 16385}, {32768, 8}, {8, 1 << 24}, {2147483647, 1}}) {
+    for (const bool decodes : {false, true}) {
+      try {
+        const auto bytes = with_size(width, height);
+        if (decodes) decode_texture(bytes, "t");
+        if (!decodes) read_image_size(bytes, "t");
+        ADD_FAILURE() << width << " x " << height;
+      } catch (const Error& e) {
+        EXPECT_EQ(e.message(), "image of " + std::to_string(width) + " x " + std::to_string(height) +
+                                   " is too large: a side has at most 16384 pixels");
+      }
+    }
+  }
+}
+
 TEST(unit_image_png, decoding_in_parallel_gives_what_decoding_alone_gives) {
   const std::vector<Kind> kinds = all_kinds();
   std::vector<Bytes> files;

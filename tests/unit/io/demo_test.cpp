@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -185,10 +186,11 @@ TEST(unit_io_patterns, colours_are_encoded_once) {
 }
 
 /// Made once for all tests.
-const Scene& demo(const std::string& name) {
-  static std::map<std::string, Scene> scenes;
+const Scene& demo(std::string_view name) {
+  static std::map<std::string, Scene, std::less<>> scenes;
   const auto found = scenes.find(name);
-  return found != scenes.end() ? found->second : scenes.emplace(name, make_demo(name)).first->second;
+  if (found != scenes.end()) return found->second;
+  return scenes.emplace(name, make_demo(std::string(name))).first->second;
 }
 
 TEST(unit_io_demo, every_demo_is_valid_and_complete) {

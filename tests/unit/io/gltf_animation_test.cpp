@@ -184,6 +184,53 @@ TEST(unit_io_gltf_animation, bad_ones_are_errors) {
   EXPECT_THAT(pose_error(b), HasSubstr("sampler 4 does not exist"));
 }
 
+TEST(unit_io_gltf_animation, two_channels_for_one_property_are_told_and_the_last_one_counts) {
+  Builder b = triangle();
+  const int times = b.floats({0, 1}, "SCALAR", 1);
+  const int one = b.vec3s({1, 0, 0, 1, 0, 0}), two = b.vec3s({2, 0, 0, 2, 0, 0});
+  const auto channel = [](int sampler, const char* path) {
+    return json{{"sampler", sampler}, {"target", {{"node", 0}, {"path", path}}}};
+  };
+  b.root["animations"] = {{{"samplers", {{{"input", times}, {"output", one}}, {{"input", times}, {"output", two}}}},
+                           {"channels", {channel(0, "translation"), channel(1, "translation")}}}};
+  Diagnostics diagnostics;
+  GltfFile file(b.glb(), {}, "twice", diagnostics);
+  const Scene scene = file.scene(diagnostics, Pose{});
+  EXPECT_EQ(vec3(scene.nodes.at(0).world_from_node[3]), vec3(2, 0, 0));
+  ASSERT_EQ(diagnostics.warnings().size(), 1u);
+  EXPECT_EQ(diagnostics.warnings()[0].text(),
+            "twice#/animations/0/channels/1: two channels move the translation of node 0; the last one counts");
+  EXPECT_EQ(load(b).warnings.size(), 1u) << "at rest too";
+  b.root["animations"][0]["channels"][1] = channel(1, "scale");
+  EXPECT_TRUE(load(b).warnings.empty());
+  // One each of two animations: they are played one at a time.
+  b.root["animations"].push_back(b.root["animations"][0]);
+  EXPECT_TRUE(load(b).warnings.empty());
+}
+
+TEST(unit_io_gltf_animation, instances_have_the_colours_that_the_file_gives_them) {
+  Builder b = triangle();
+  const int translations = b.vec3s({1, 0, 0, 0, 2, 0});
+  b.root["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+  auto& attributes = b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  attributes = {{"TRANSLATION", translations}};
+  EXPECT_EQ(load(b).scene.nodes.at(2).color, vec4(1));
+  attributes["_COLOR_0"] = b.vec3s({1, 0.5, 0.25, 0, 1, 0});
+  Loaded loaded = load(b);
+  EXPECT_EQ(loaded.scene.nodes.at(0).color, vec4(1)) << "the node has no mesh of its own";
+  EXPECT_EQ(loaded.scene.nodes.at(1).color, vec4(1, 0.5f, 0.25f, 1));
+  EXPECT_EQ(loaded.scene.nodes.at(2).color, vec4(0, 1, 0, 1));
+  EXPECT_EQ(loaded.scene.nodes[1].mesh, loaded.scene.nodes[2].mesh) << "geometry is shared";
+  attributes["_COLOR_0"] = b.accessor<std::uint8_t>({255, 0, 51, 102, 0, 255, 0, 255}, "VEC4", 5121, 4, true);
+  EXPECT_EQ(load(b).scene.nodes.at(1).color, vec4(1, 0, 0.2f, 0.4f));
+  attributes["_COLOR_0"] = b.vec4s({2, 0, 0, 1, 0, 0, 0, -1});
+  loaded = load(b);
+  EXPECT_TRUE(loaded.warned("colours of instances outside 0 to 1 are clamped"));
+  EXPECT_EQ(loaded.scene.nodes.at(1).color, vec4(1, 0, 0, 1));
+  attributes["_COLOR_0"] = b.vec3s({1, 1, 1});
+  EXPECT_THAT(error_of(b), HasSubstr("has 1 elements, but others have 2"));
+}
+
 TEST(unit_io_gltf_animation, instances_stand_where_their_attributes_say) {
   Builder b = triangle();
   const int translations = b.vec3s({1, 0, 0, 0, 2, 0}), scales = b.vec3s({1, 1, 1, 3, 3, 3});

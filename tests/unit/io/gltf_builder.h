@@ -154,10 +154,14 @@ inline Builder with_material(const json& material) {
 struct Loaded {
   Scene scene;
   std::vector<Diagnostic> warnings;
+  std::vector<Diagnostic> notes = {};
 
-  bool warned(const std::string& part) const {
-    for (const Diagnostic& w : warnings) {
-      if (w.text().find(part) != std::string::npos) return true;
+  bool warned(const std::string& part) const { return contains(warnings, part); }
+  bool noted(const std::string& part) const { return contains(notes, part); }
+
+  static bool contains(const std::vector<Diagnostic>& list, const std::string& part) {
+    for (const Diagnostic& d : list) {
+      if (d.text().find(part) != std::string::npos) return true;
     }
     return false;
   }
@@ -167,13 +171,13 @@ inline Loaded load(const Builder& b, const LoadOptions& options = {}) {
   Diagnostics diagnostics;
   const auto bytes = b.glb();
   Scene scene = load_gltf(bytes, {}, diagnostics, options);
-  return {std::move(scene), diagnostics.warnings()};
+  return {std::move(scene), diagnostics.warnings(), diagnostics.notes()};
 }
 
 inline Loaded load_text(const std::string& text) {
   Diagnostics diagnostics;
   Scene scene = load_gltf(as_bytes(text), {}, diagnostics);
-  return {std::move(scene), diagnostics.warnings()};
+  return {std::move(scene), diagnostics.warnings(), diagnostics.notes()};
 }
 
 /// The error of a file that must not load, "loaded" when it does.

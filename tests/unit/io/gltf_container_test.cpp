@@ -179,14 +179,81 @@ TEST(unit_io_gltf, file_info_repeats_what_the_file_says) {
 
 TEST(unit_io_gltf, extensions_are_refused_ignored_or_silent) {
   Builder b = triangle();
-  b.root["extensionsUsed"] = {"EXT_texture_webp", "KHR_xmp_json_ld", "KHR_texture_transform", "EXT_texture_webp"};
+  b.root["extensionsUsed"] = {"EXT_lights_image_based", "KHR_texture_transform", "EXT_lights_image_based"};
+  b.root["scenes"][0]["extensions"]["EXT_lights_image_based"] = {{"light", 0}};
   const Loaded loaded = load(b);
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_EQ(loaded.warnings[0].message, "EXT_texture_webp is not supported and will be ignored");
+  EXPECT_EQ(loaded.warnings[0].message, "EXT_lights_image_based is not supported and will be ignored");
+  EXPECT_TRUE(loaded.notes.empty());
   b.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   EXPECT_THAT(error_of(b), HasSubstr("requires KHR_draco_mesh_compression"));
   b.root["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_xmp_json_ld"};
   EXPECT_EQ(error_of(b), "loaded");
+}
+
+TEST(unit_io_gltf, extension_data_that_changes_no_pixel_is_a_note) {
+  // Known to be unseen; or never heard of, but about the asset as a whole.
+  for (const char* name : {"KHR_xmp_json_ld", "KHR_physics_rigid_bodies", "OMI_seat", "MSFT_audio_emitter",
+                           "EXT_structural_metadata", "KHR_texture_basisu"}) {
+    Builder b = triangle();
+    b.root["extensionsUsed"] = {name};
+    b.root["nodes"][0]["extensions"][name] = json::object();
+    const Loaded loaded = load(b);
+    EXPECT_TRUE(loaded.warnings.empty()) << name;
+    EXPECT_TRUE(loaded.noted(std::string(name) + " changes no pixel")) << name;
+  }
+  Builder b = triangle();
+  b.root["extensionsUsed"] = {"ACME_catalogue", "ACME_shade"};
+  b.root["asset"]["extensions"]["ACME_catalogue"] = {{"number", 7}};
+  b.root["meshes"][0]["extensions"]["ACME_shade"] = {{"pattern", "dots"}};
+  const Loaded loaded = load(b);
+  EXPECT_EQ(loaded.notes.size(), 1u);
+  EXPECT_TRUE(loaded.noted("ACME_catalogue changes no pixel"));
+  ASSERT_EQ(loaded.warnings.size(), 1u);
+  EXPECT_TRUE(loaded.warned("ACME_shade is not supported and will be ignored"));
+
+  // Required, it still changes nothing; what nobody knows may.
+  b.root["extensionsRequired"] = {"KHR_physics_rigid_bodies"};
+  EXPECT_EQ(error_of(b), "loaded");
+  b.root["extensionsRequired"] = {"ACME_catalogue"};
+  EXPECT_THAT(error_of(b), HasSubstr("requires ACME_catalogue"));
+  b.root["extensionsRequired"] = {"KHR_texture_basisu"};
+  EXPECT_THAT(error_of(b), HasSubstr("requires KHR_texture_basisu"));
+}
+
+TEST(unit_io_gltf, a_key_given_twice_is_told_and_the_last_one_counts) {
+  const std::string before = R"({"asset":{"version":"2.0"},"nodes":[{"translation":[1,0,0]},{"translation":[2,0,0],)";
+  const Loaded twice = load_text(before + R"("name":"a","translation":[3,0,0]}]})");
+  ASSERT_EQ(twice.warnings.size(), 1u);
+  EXPECT_EQ(twice.warnings[0].text(),
+            "glTF in memory#/nodes/1/translation: the key 'translation' is given twice; the last one counts");
+  EXPECT_EQ(vec3(twice.scene.nodes.at(1).world_from_node[3]), vec3(3, 0, 0));
+  EXPECT_TRUE(load_text(before + R"("name":"translation"}]})").warnings.empty());
+  // In extras too, and of the whole document.
+  EXPECT_TRUE(
+      load_text(R"({"asset":{"version":"2.0"},"extras":{"a/b":[[{"c":1,"c":2}]]}})").warned("#/extras/a~1b/0/0/c"));
+  EXPECT_TRUE(load_text(R"({"nodes":[],"asset":{"version":"2.0"},"nodes":[{}]})").warned("#/nodes: the key"));
+  std::string many = R"({"asset":{"version":"2.0"},"extras":{"a":0)";
+  for (int i = 0; i < 1000; ++i) many += R"(,"a":0)";
+  EXPECT_LE(load_text(many + "}}").warnings.size(), 10u) << "a bad file does not fill the screen";
+}
+
+TEST(unit_io_gltf, a_buffer_that_nothing_defines_is_read_as_zeros) {
+  // glTF 2.0 §5.10.1: without a uri it is for others to say what a buffer holds.
+  Builder b = triangle();
+  b.root["buffers"] = {{{"byteLength", b.binary.size()}}};
+  const Loaded loaded = load_text(b.root.dump());
+  EXPECT_TRUE(loaded.warned("#/buffers/0: the buffer has neither a uri nor data in the file"));
+  EXPECT_TRUE(loaded.scene.meshes.at(0).primitives.empty());
+  // One that nothing uses is nobody's business.
+  Builder unused = triangle();
+  unused.root["buffers"] = {{{"byteLength", unused.binary.size()}}, {{"byteLength", 9}}};
+  EXPECT_TRUE(load(unused).warnings.empty());
+  // A GLB without its binary chunk has lost it.
+  Builder lost = triangle();
+  lost.root["buffers"] = {{{"byteLength", lost.binary.size()}}};
+  lost.binary.clear();
+  EXPECT_THAT(error_of(lost), HasSubstr("neither a uri nor a GLB binary chunk"));
 }
 
 TEST(unit_io_gltf, errors_start_with_file_and_pointer) {

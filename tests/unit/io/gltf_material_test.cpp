@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <filesystem>
 
+#include "unit/base/temp_folder.h"
 #include "unit/io/gltf_builder.h"
 
 namespace candela::io::test {
@@ -91,13 +94,26 @@ TEST(unit_io_gltf_material, factors_out_of_range_are_clamped_and_told_with_the_m
   EXPECT_EQ(m.opacity, 0);
   EXPECT_EQ(m.metallic, 1);
   EXPECT_EQ(m.roughness, 0);
-  EXPECT_EQ(m.emission, vec3(0, 1, 0));
+  EXPECT_EQ(m.emission, vec3(0, 3, 0));
   EXPECT_EQ(m.alpha_cutoff, 0);
   EXPECT_EQ(m.ior, 1);
   EXPECT_TRUE(loaded.warned("material 'loud': metallicFactor 1.5 becomes 1"));
   EXPECT_TRUE(loaded.warned("material 'loud': ior 0.5 becomes 1"));
   EXPECT_EQ(loaded.warnings.size(), 7u);
   EXPECT_EQ(load(with_material({{"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}})).scene.materials[0].ior, 0);
+}
+
+TEST(unit_io_gltf_material, an_emissive_factor_above_1_keeps_its_hue_and_strength) {
+  json material = {{"emissiveFactor", {3, 2, 1}}};
+  const Loaded loaded = load(with_material(material));
+  EXPECT_EQ(loaded.scene.materials.at(0).emission, vec3(3, 2, 1));
+  EXPECT_TRUE(loaded.warned("material 0: emissiveFactor 3 2 1 is above 1; kept"));
+  material["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", 2}};
+  EXPECT_EQ(load(with_material(material)).scene.materials.at(0).emission, vec3(6, 4, 2));
+  const Loaded negative = load(with_material({{"emissiveFactor", {-1, 0.5, 0}}}));
+  EXPECT_EQ(negative.scene.materials.at(0).emission, vec3(0, 0.5f, 0));
+  EXPECT_EQ(negative.warnings.size(), 1u);
+  EXPECT_TRUE(load(with_material({{"emissiveFactor", {1, 1, 1}}})).warnings.empty());
 }
 
 TEST(unit_io_gltf_material, wrong_types_and_values_are_errors) {
@@ -186,6 +202,17 @@ TEST(unit_io_gltf_material, textures_that_cannot_be_used_are_left_out_and_told) 
   EXPECT_FALSE(loaded.scene.materials[0].emissive_texture);
 }
 
+TEST(unit_io_gltf_material, what_an_unreadable_texture_should_make_glow_is_dark) {
+  Builder b = with_material({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", texture(0)}});
+  add_texture(b);
+  EXPECT_EQ(load(b).scene.materials.at(0).emission, vec3(1));
+  b.root["textures"][0] = {{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}};
+  EXPECT_EQ(load(b).scene.materials.at(0).emission, vec3(0)) << "a format that is not read";
+  b.root["textures"][0] = {{"source", 0}};
+  b.root["images"][0] = {{"uri", "absent.png"}};
+  EXPECT_EQ(load(b).scene.materials.at(0).emission, vec3(0)) << "a file that is not there";
+}
+
 TEST(unit_io_gltf_material, images_are_decoded_once_from_views_and_data_uris) {
   Builder b =
       with_material({{"emissiveTexture", texture(2)}, {"occlusionTexture", texture(1)}, {"normalTexture", texture(3)}});
@@ -212,21 +239,84 @@ TEST(unit_io_gltf_material, without_decoding_images_have_only_a_size) {
   EXPECT_TRUE(loaded.scene.images.at(0)->pixels.empty());
 }
 
-TEST(unit_io_gltf_material, damaged_images_are_errors_that_name_the_image) {
-  Builder b = with_material({{"emissiveTexture", texture(0)}});
-  std::vector<std::byte> png = tiny_png();
+TEST(unit_io_gltf_material, an_image_that_cannot_be_read_is_told_and_changes_nothing) {
+  json material = {{"pbrMetallicRoughness",
+                    {{"baseColorFactor", {0.5, 0.25, 1, 0.75}},
+                     {"metallicFactor", 0.25},
+                     {"roughnessFactor", 0.5},
+                     {"baseColorTexture", texture(0)},
+                     {"metallicRoughnessTexture", texture(0)}}},
+                   {"normalTexture", texture(0)},
+                   {"occlusionTexture", texture(0)},
+                   {"emissiveTexture", texture(1)},
+                   {"emissiveFactor", {0.5, 0.5, 0.5}},
+                   {"extras", {{"candela", {{"heightTexture", {{"index", 0}, {"scale", 0.5}}}}}}}};
+  Builder b = with_material(material);
+  std::vector<std::byte> png = tiny_png(), jpeg(64, std::byte{0xFF}), ktx(64);
   png.resize(45);
-  b.root["images"] = {{{"bufferView", b.view(png)}, {"name", "wood"}}};
+  jpeg[1] = std::byte{0xD8};
+  std::memcpy(ktx.data(), "\xABKTX 20\xBB\r\n\x1A\n", 12);
+  add_texture(b);
+  add_texture(b);
+  const int short_view = b.view(png), jpeg_view = b.view(jpeg), ktx_view = b.view(ktx), far_view = b.view(png);
+  b.root["bufferViews"][static_cast<std::size_t>(far_view)]["byteOffset"] = 1 << 30;
+  const candela::test::TempFolder folder;
+  std::filesystem::create_directory(folder.path() / "folder.png");
+
+  struct Case {
+    json image;
+    const char* told;
+  };
+  const std::vector<Case> cases = {
+      {{{"bufferView", short_view}, {"name", "wood"}}, "#/images/0 (wood): "},
+      {{{"bufferView", jpeg_view}}, "#/images/0: "},
+      {{{"bufferView", ktx_view}}, "KTX2 images are not supported"},
+      {{{"bufferView", far_view}}, "lie outside the buffer"},
+      {{{"bufferView", 77}}, "buffer view 77 does not exist"},
+      {{{"uri", "data:image/png;base64,AAAA"}}, "#/images/0: "},
+      {{{"uri", "data:image/png;base64,****"}}, "not valid base64"},
+      {{{"uri", "data:image/png"}}, "has no comma"},
+      {{{"uri", "absent.png"}}, "#/images/0/uri: 'absent.png'"},
+      {{{"uri", "folder.png"}}, "#/images/0/uri: 'folder.png'"},
+      {{{"uri", "https://example.org/wood.png"}}, "is not a relative file name"},
+      {{{"name", "nothing"}}, "neither a uri nor a bufferView"},
+      {{{"uri", "a.png"}, {"bufferView", short_view}}, "both a uri and a bufferView"},
+  };
+  for (const bool decode : {true, false}) {
+    for (const Case& c : cases) {
+      b.root["images"][0] = c.image;
+      Diagnostics diagnostics;
+      const auto bytes = b.glb();
+      const Scene scene = load_gltf(bytes, folder.path(), diagnostics, LoadOptions{.decode_images = decode});
+      const bool is_whole = !decode && std::string(c.told) == "#/images/0 (wood): ";  // its header is
+      ASSERT_EQ(diagnostics.warnings().size(), is_whole ? 0u : 1u) << c.image;
+      if (is_whole) continue;
+      EXPECT_THAT(diagnostics.warnings()[0].text(), HasSubstr(c.told));
+      EXPECT_THAT(diagnostics.warnings()[0].text(), HasSubstr("shown without it"));
+      const Material& m = scene.materials.at(0);
+      EXPECT_EQ(m.base_color, vec3(0.5f, 0.25f, 1));
+      EXPECT_EQ(m.opacity, 0.75f);
+      EXPECT_EQ(m.metallic, 0.25f);
+      EXPECT_EQ(m.roughness, 0.5f);
+      EXPECT_EQ(m.height_scale, 0.0f);
+      EXPECT_EQ(m.emission, vec3(0.5f)) << "its own texture is there";
+      for (const TextureSlot* slot : texture_slots(m)) EXPECT_EQ(bool(*slot), slot == &m.emissive_texture);
+      EXPECT_EQ(scene.images.size(), 2u);
+      if (decode) {
+        EXPECT_NO_THROW(validate(scene));
+      }
+    }
+  }
+}
+
+TEST(unit_io_gltf_material, an_image_lost_at_one_moment_is_lost_at_all) {
+  Builder b = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", texture(0)}}}});
+  b.root["images"] = {{{"uri", "absent.png"}}};
   b.root["textures"] = {{{"source", 0}}};
-  EXPECT_THAT(error_of(b), HasSubstr("#/images/0 (wood): "));
-  b.root["images"][0] = {{"uri", "data:image/png;base64,AAAA"}};
-  EXPECT_THAT(error_of(b), HasSubstr("#/images/0: "));
-  b.root["images"][0] = {{"uri", "wood.png"}};
-  EXPECT_THAT(error_of(b), HasSubstr("#/images/0/uri: external file 'wood.png'"));
-  b.root["images"][0] = {{"name", "nothing"}};
-  EXPECT_THAT(error_of(b), HasSubstr("neither a uri nor a bufferView"));
-  b.root["images"][0] = {{"bufferView", 77}};
-  EXPECT_THAT(error_of(b), HasSubstr("buffer view 77 does not exist"));
+  Diagnostics diagnostics;
+  GltfFile file(b.glb(), {}, "lost", diagnostics);
+  for (int i = 0; i < 2; ++i) EXPECT_FALSE(file.scene(diagnostics).materials.at(0).base_color_texture);
+  EXPECT_EQ(diagnostics.warnings().size(), 1u);
 }
 
 }  // namespace

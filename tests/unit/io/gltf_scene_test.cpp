@@ -52,6 +52,72 @@ TEST(unit_io_gltf_nodes, odd_transforms_are_told) {
   EXPECT_EQ(error_of(nodes_only({{{"scale", {0, 0, 0}}}})), "loaded");
 }
 
+TEST(unit_io_gltf_nodes, a_scale_of_0_is_told_where_it_flattens_a_mesh) {
+  const auto scaled = [](const json& node) {
+    Builder b = triangle();
+    b.root["nodes"][0].update(node);
+    return load(b);
+  };
+  EXPECT_TRUE(scaled({{"scale", {1, 0, 1}}, {"name", "sheet"}}).warned("#/nodes/0: node 0 'sheet': a scale of 0"));
+  EXPECT_TRUE(scaled({{"scale", {0, 0, 0}}}).warned("node 0: a scale of 0"));
+  EXPECT_TRUE(scaled({{"matrix", {1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}}).warned("a scale of 0"));
+  EXPECT_TRUE(scaled({{"scale", {1e-12, -1e6, 3}}}).warnings.empty()) << "small is not 0";
+  Builder parent = triangle();
+  parent.root["nodes"].push_back({{"scale", {1, 1, 0}}, {"children", {0}}});
+  parent.root["scenes"][0]["nodes"] = {1};
+  EXPECT_TRUE(load(parent).warned("node 0: a scale of 0")) << "above it";
+  // What nothing hangs on shows nothing anyway.
+  Builder empty = triangle();
+  empty.root["nodes"].push_back({{"scale", {0, 1, 1}}});
+  empty.root["scenes"][0]["nodes"] = {0, 1};
+  EXPECT_TRUE(load(empty).warnings.empty());
+  Builder instances = triangle();
+  instances.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] =
+      instances.vec3s({1, 1, 1, 0, 1, 1});
+  EXPECT_TRUE(load(instances).warned("node 0: a scale of 0")) << "an instance";
+}
+
+TEST(unit_io_gltf_nodes, numbers_are_the_files) {
+  // Node 0 is another scene's, 1 a skinned triangle, 2 its joint, 3 instances, 4 a camera and a lamp, 5 a plain one.
+  Builder b = triangle();
+  b.root["meshes"].push_back(b.root["meshes"][0]);
+  b.root["materials"] = {json::object(), json::object(), {{"normalTexture", {{"index", 2}}}}};
+  for (int i = 0; i < 3; ++i) add_texture(b);
+  b.root["textures"][2]["source"] = 1;
+  b.root["meshes"][1]["primitives"][0]["material"] = 2;
+  auto& skinned = b.root["meshes"][0]["primitives"][0]["attributes"];
+  skinned["JOINTS_0"] = b.accessor<std::uint8_t>(std::vector<std::uint8_t>(12, 0), "VEC4", 5121, 4);
+  skinned["WEIGHTS_0"] = b.vec4s({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  b.root["skins"] = {{{"joints", {2}}}};
+  const json lens = {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}}}};
+  b.root["cameras"] = {lens, lens};
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}}, {{"type", "point"}}};
+  b.root["nodes"] = {{{"mesh", 0}, {"camera", 0}},
+                     {{"mesh", 0}, {"skin", 0}},
+                     json::object(),
+                     {{"mesh", 1}},
+                     {{"camera", 1}},
+                     {{"mesh", 1}}};
+  b.root["nodes"][3]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
+      b.vec3s({0, 0, 0, 1, 0, 0});
+  b.root["nodes"][4]["extensions"]["KHR_lights_punctual"]["light"] = 1;
+  b.root["scenes"] = {{{"nodes", {0}}}, {{"nodes", {1, 2, 3, 4, 5}}}};
+  b.root["scene"] = 1;
+  const Scene scene = load(b).scene;
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].mesh >= 0) numbers.push_back(number_of(scene.nodes, i));
+  }
+  EXPECT_THAT(numbers, ::testing::UnorderedElementsAre(1, 3, 3, 5));
+  EXPECT_EQ(number_of(scene.cameras, 0), 1);
+  EXPECT_EQ(number_of(scene.lights, 0), 1);
+  EXPECT_EQ(number_of(scene.textures, 0), 2);
+  EXPECT_EQ(image_number(scene, 0), 1);
+  EXPECT_EQ(number_of(scene.meshes, 1), 1);
+  EXPECT_EQ(number_of(scene.materials, 0), 2);
+  EXPECT_EQ(number_of(scene.materials, 1), 3) << "glTF's default comes after the file's";
+}
+
 TEST(unit_io_gltf_nodes, bad_transforms_are_errors) {
   EXPECT_THAT(error_of(nodes_only({{{"matrix", {1, 0, 0}}}})),
               HasSubstr("#/nodes/0/matrix: must have 16 numbers, not 3"));

@@ -238,6 +238,95 @@ TEST(unit_io_ies, signs_and_exponents_are_numbers) {
   EXPECT_EQ(parse(t).profile.candela, parse(IesText()).profile.candela);
 }
 
+// ----- types A and B: both angles are 0 where the lamp is aimed, -z; up is +x, and clockwise is towards -y
+
+constexpr float kDegree = kPi / 180.0f;
+
+std::string numbers(const std::vector<double>& values) {
+  std::string text;
+  for (const double v : values) text += std::to_string(v) + ' ';
+  return text;
+}
+
+/// A table whose candela are 100 + vertical + 1000 (horizontal + 200), which bilinear lookup gives back exactly.
+IesText plane_table(const char* type, const std::vector<double>& vertical, const std::vector<double>& horizontal) {
+  IesText t;
+  t.type = type;
+  t.counts = std::to_string(vertical.size()) + ' ' + std::to_string(horizontal.size());
+  t.vertical = numbers(vertical);
+  t.horizontal = numbers(horizontal);
+  t.candela.clear();
+  for (const double h : horizontal) {
+    for (const double v : vertical) t.candela += std::to_string(200 + v + 1000 * (h + 200)) + ' ';
+  }
+  return t;
+}
+float plane(float v, float h) { return 200 + v + 1000 * (h + 200); }
+
+/// Type B: a plane through the y axis turned up by v, in it the latitude h. Type A: the same of the x axis.
+vec3 direction_b(float v, float h) {
+  return {std::sin(v * kDegree) * std::cos(h * kDegree), -std::sin(h * kDegree),
+          -std::cos(v * kDegree) * std::cos(h * kDegree)};
+}
+vec3 direction_a(float v, float h) {
+  return {std::sin(v * kDegree), -std::sin(h * kDegree) * std::cos(v * kDegree),
+          -std::cos(h * kDegree) * std::cos(v * kDegree)};
+}
+
+TEST(unit_io_ies, types_a_and_b_are_globes_on_their_sides) {
+  const std::vector<double> angles = {-90, -60, -25, 10, 40, 90};
+  const IesProfile b = parse(plane_table("2", angles, angles)).profile;
+  const IesProfile a = parse(plane_table("3", angles, angles)).profile;
+  for (const float v : {-80.0f, -25.0f, 0.0f, 12.5f, 30.0f, 75.0f}) {
+    for (const float h : {-85.0f, -60.0f, -7.0f, 0.0f, 30.0f, 80.0f}) {
+      EXPECT_NEAR(ies_intensity(b, direction_b(v, h)), plane(v, h), 2.0f) << v << ' ' << h;
+      EXPECT_NEAR(ies_intensity(a, direction_a(v, h)), plane(v, h), 2.0f) << v << ' ' << h;
+    }
+  }
+  // Where one of the angles is 0 they agree: up is +x and clockwise, seen from the lamp with +x up, is -y.
+  for (const IesProfile& p : {a, b}) {
+    EXPECT_NEAR(ies_intensity(p, {0, 0, -1}), plane(0, 0), 2.0f);
+    EXPECT_NEAR(ies_intensity(p, {std::sin(0.5f), 0, -std::cos(0.5f)}), plane(0.5f / kDegree, 0), 2.0f);
+    EXPECT_NEAR(ies_intensity(p, {0, -std::sin(0.5f), -std::cos(0.5f)}), plane(0, 0.5f / kDegree), 2.0f);
+  }
+  // Nothing behind.
+  EXPECT_EQ(ies_intensity(b, {0.1f, 0.2f, 0.9f}), 0.0f);
+  EXPECT_EQ(ies_intensity(a, {0.1f, 0.2f, 0.9f}), 0.0f);
+}
+
+TEST(unit_io_ies, angles_of_types_a_and_b_that_begin_at_0_are_mirrored) {
+  for (const char* type : {"2", "3"}) {
+    const auto direction = type[0] == '2' ? direction_b : direction_a;
+    const IesProfile quarter = parse(plane_table(type, {0, 30, 90}, {0, 45, 90})).profile;
+    const IesProfile half = parse(plane_table(type, {-90, 0, 90}, {0, 45, 90})).profile;
+    for (const float v : {-50.0f, 20.0f}) {
+      for (const float h : {-70.0f, 33.0f}) {
+        EXPECT_NEAR(ies_intensity(quarter, direction(v, h)), plane(std::fabs(v), std::fabs(h)), 2.0f) << type;
+        EXPECT_NEAR(ies_intensity(half, direction(v, h)), plane(v, std::fabs(h)), 2.0f) << type;
+      }
+    }
+  }
+}
+
+TEST(unit_io_ies, types_a_and_b_may_go_all_around_and_are_dark_outside_their_table) {
+  // 1 everywhere: 4π lumens; a lune of 60°: a sixth of it; a belt of latitudes up to 30°: half of it.
+  const auto flux = [](const char* type, const std::vector<double>& vertical, const std::vector<double>& horizontal) {
+    IesText t = plane_table(type, vertical, horizontal);
+    t.candela.clear();
+    for (std::size_t i = 0; i < vertical.size() * horizontal.size(); ++i) t.candela += "1 ";
+    return ies_flux(parse(t).profile);
+  };
+  const double whole = 4.0 * M_PI;
+  EXPECT_NEAR(flux("2", {-180, 0, 180}, {-90, 0, 90}), whole, 1e-3);
+  EXPECT_NEAR(flux("3", {-90, 0, 90}, {-180, 0, 180}), whole, 1e-3);
+  EXPECT_NEAR(flux("2", {-180, 180}, {-90, 90}), whole, 1e-3);
+  EXPECT_NEAR(flux("2", {-30, 30}, {-90, 90}), whole / 6, 1e-3);
+  EXPECT_NEAR(flux("3", {-90, 90}, {-30, 30}), whole / 6, 1e-3);
+  EXPECT_NEAR(flux("2", {10, 70}, {-90, 90}), whole / 6, 1e-3);
+  EXPECT_NEAR(flux("2", {-180, 180}, {-30, 30}), whole / 2, 1e-3);
+  EXPECT_NEAR(flux("3", {-30, 30}, {-180, 180}), whole / 2, 1e-3);
+}
+
 // ----- bad input: the line, and what is wrong with it
 
 TEST(unit_io_ies, each_bad_number_names_its_line) {
@@ -248,8 +337,8 @@ TEST(unit_io_ies, each_bad_number_names_its_line) {
   };
   EXPECT_EQ(error_of(IesText()), "parsed");
   // Line 5 is TILT, 6 the lamp, 7 the ballast, 8 to 10 the table.
-  EXPECT_EQ(changed(&IesText::type, "2"), "lamp.ies: line 6: the photometric type is B; only C is supported");
-  EXPECT_EQ(changed(&IesText::type, "3"), "lamp.ies: line 6: the photometric type is A; only C is supported");
+  EXPECT_EQ(changed(&IesText::type, "2"), "lamp.ies: line 6: types A and B need at least 2 horizontal angles");
+  EXPECT_EQ(changed(&IesText::type, "3"), "lamp.ies: line 6: types A and B need at least 2 horizontal angles");
   EXPECT_THAT(changed(&IesText::type, "0"), HasSubstr("line 6: the photometric type must be"));
   EXPECT_THAT(changed(&IesText::type, "9"), HasSubstr("line 6: the photometric type is 9; must be a whole number"));
   EXPECT_THAT(changed(&IesText::lamp, "1 1000 0"), HasSubstr("line 6: the candela multiplier is 0; must be positive"));

@@ -99,6 +99,52 @@ TEST(unit_path_instances, instances_have_the_global_illumination_of_baked_copies
   }
 }
 
+/// Three squares side by side, white but for what their nodes say, or of those colours themselves.
+Scene coloured_squares(bool by_node, const std::vector<vec4>& colors) {
+  SceneBuilder b;
+  Material white = matte(vec3(1.0f));
+  white.unlit = true;
+  white.alpha_mode = AlphaMode::mask;
+  const int shared = b.add_mesh(quad({-0.4f, -0.4f, 0}, {0.8f, 0, 0}, {0, 0.8f, 0}), b.add_material(white));
+  Scene scene;
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    const mat4 place = translation({static_cast<float>(i) - 1.0f, 0, 0});
+    if (by_node) {
+      b.add_node(shared, place);
+    } else {
+      Material own = white;
+      own.base_color = vec3(colors[i]);
+      own.opacity = colors[i].w;
+      b.add_node(b.add_mesh(quad({-0.4f, -0.4f, 0}, {0.8f, 0, 0}, {0, 0.8f, 0}), b.add_material(own)), place);
+    }
+  }
+  scene = b.build();
+  for (std::size_t i = 0; by_node && i < colors.size(); ++i) scene.nodes[i].color = colors[i];
+  return scene;
+}
+
+TEST(unit_path_instances, colours_of_nodes_are_those_of_materials_of_their_own) {
+  const std::vector<vec4> colors = {vec4(1, 0.1f, 0.1f, 1), vec4(0.1f, 1, 0.1f, 1), vec4(0.1f, 0.1f, 1, 1)};
+  // Of opacity 0.2 a mask leaves nothing; of 0.8 all.
+  const std::vector<vec4> faded = {vec4(1, 0.1f, 0.1f, 0.2f), vec4(0.1f, 1, 0.1f, 0.8f), vec4(1, 1, 1, 0.2f)};
+  const View view = look_at({0, 0, 5}, vec3(0.0f), 0.6f);
+  for (const auto& list : {colors, faded}) {
+    path::Statistics statistics;
+    const Film by_node =
+        path::render(coloured_squares(true, list), dark_environment(), view, centred(48, 1, 1), &statistics);
+    const Film by_material = shoot(coloured_squares(false, list), dark_environment(), view, centred(48, 1, 1));
+    EXPECT_LT(glm::length(by_node.beauty.rgb(24, 24) - vec3(list[1])), 1e-6f);
+    // At their edges instances are rounded another way.
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < by_node.beauty.pixels.size(); ++i) {
+      different += by_node.beauty.pixels[i] != by_material.beauty.pixels[i] ? 1 : 0;
+    }
+    EXPECT_LT(different, by_node.beauty.pixels.size() / 100);
+    // What differs in colour alone is stored once.
+    EXPECT_EQ(statistics.triangles, list == colors ? 2U : 4U);
+  }
+}
+
 TEST(unit_path_instances, statistics_count_what_is_stored_and_placed) {
   for (const bool shared : {true, false}) {
     path::Statistics statistics;

@@ -60,6 +60,18 @@ TEST(unit_path_layers, depth_position_normal_albedo_and_id_are_those_of_the_scen
   EXPECT_EQ(film.beauty.at(1, 1)[3], 1.0f);
 }
 
+TEST(unit_path_layers, ids_are_the_numbers_that_the_file_gives_its_nodes) {
+  Scene scene = known_scene();
+  scene.nodes[1].file_index = 40;  // as of an instance: the ball's the same
+  scene.nodes[3].file_index = 40;
+  path::Settings s = settings(64, 1, 1);
+  s.layers = {Layer::object_id};
+  const Film film = shoot(scene, dark_environment(), look_at({0, 0, 5}, vec3(0.0f), 0.6f), s);
+  EXPECT_EQ(film.layers.at(Layer::object_id).rgb(20, 30).x, 41.0f);
+  EXPECT_EQ(film.layers.at(Layer::object_id).rgb(52, 32).x, 41.0f);
+  EXPECT_EQ(film.layers.at(Layer::object_id).rgb(1, 1).x, 0.0f);
+}
+
 TEST(unit_path_layers, only_what_was_asked_for_is_there) {
   path::Settings s = settings(4, 1, 1);
   EXPECT_TRUE(shoot(known_scene(), dark_environment(), look_at({0, 0, 5}, vec3(0.0f), 0.6f), s).layers.empty());

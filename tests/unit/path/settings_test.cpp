@@ -287,5 +287,34 @@ TEST(unit_path_settings, partial_pictures_grow_into_the_final_one) {
   EXPECT_TRUE(films.empty());
 }
 
+TEST(unit_path_settings, a_noise_target_that_is_not_reached_is_counted) {
+  const Scene scene = mixture();
+  path::Settings s;
+  s.width = 24, s.height = 16, s.samples = 8;
+  path::Statistics statistics;
+  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, &statistics);
+  EXPECT_FALSE(statistics.noise.has_value());
+
+  s.noise = 1e-6f;
+  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, &statistics);
+  ASSERT_TRUE(statistics.noise.has_value());
+  EXPECT_GT(statistics.noise->share_above, 0.1);
+  EXPECT_GT(statistics.noise->worst, 1e-6f);
+  EXPECT_FALSE(statistics.timed_out);
+
+  s.samples = 1 << 20;
+  s.time_limit_s = 0.05;
+  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, &statistics);
+  EXPECT_TRUE(statistics.timed_out);
+  EXPECT_GT(statistics.noise->share_above, 0.0);
+
+  s.noise = 0.9f;
+  s.time_limit_s.reset();
+  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, &statistics);
+  EXPECT_FALSE(statistics.timed_out);
+  EXPECT_EQ(statistics.noise->share_above, 0.0);
+  EXPECT_LT(statistics.noise->worst, 0.9f);
+}
+
 }  // namespace
 }  // namespace candela

@@ -63,6 +63,30 @@ TEST(unit_scene_view, framed_boxes_fill_the_picture_up_to_the_margin) {
   }
 }
 
+TEST(unit_scene_view, cameras_are_known_by_the_number_that_their_file_gives_them) {
+  Scene scene;
+  for (const int number : {2, 0}) {
+    Camera camera;
+    camera.file_index = number;
+    scene.cameras.push_back(camera);
+    Node node;
+    node.camera = static_cast<int>(scene.cameras.size()) - 1;
+    node.world_from_node[3] = vec4(0, 0, number, 1);
+    scene.nodes.push_back(node);
+  }
+  EXPECT_EQ(scene_camera(scene, "2", 1.0f).world_from_camera[3].z, 2.0f);
+  EXPECT_EQ(scene_camera(scene, "0", 1.0f).world_from_camera[3].z, 0.0f);
+  try {
+    scene_camera(scene, "1", 1.0f);
+    FAIL() << "the file has it, and this scene has not";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "no camera \"1\"; there are 2, 0");
+  }
+  // Of a scene made in memory the place is the number.
+  for (Camera& camera : scene.cameras) camera.file_index = -1;
+  EXPECT_EQ(scene_camera(scene, "1", 1.0f).world_from_camera[3].z, 0.0f);
+}
+
 TEST(unit_scene_view, framed_boxes_stand_in_the_middle) {
   const Box3 box{vec3(-1, 0, -2), vec3(2, 5, 1)};
   const View view = frame_box(box, 1.5f, radians(40.0f));

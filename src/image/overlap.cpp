@@ -1,10 +1,12 @@
-#include "ibl/overlap.h"
+#include "image/overlap.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace candela::ibl {
+#include "shade/cube.glsl.h"
+
+namespace candela::overlap {
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
@@ -117,4 +119,22 @@ void walk_arc(const Lattice& lattice, dvec3 a, dvec3 b, const std::function<void
   }
 }
 
-}  // namespace candela::ibl
+double row_edge(int row, int height) { return std::cos(kPiD * row / height); }
+
+double texel_solid_angle(int row, int width, int height) {
+  // cos a - cos b = 2 sin ½(a + b) sin ½(b - a), which does not cancel at the poles.
+  return 2.0 * std::sin(kPiD * (row + 0.5) / height) * std::sin(0.5 * kPiD / height) * 2.0 * kPiD / width;
+}
+
+FaceAxes::FaceAxes(int face)
+    : centre(shade::cube_direction(face, 0.0f, 0.0f)),
+      right(dvec3(shade::cube_direction(face, 1.0f, 0.0f)) - centre),
+      down(dvec3(shade::cube_direction(face, 0.0f, 1.0f)) - centre) {}
+
+Ends edge_ends(const FaceAxes& axes, const Edge& e, int size) {
+  const double s = 2.0 * e.x / size - 1.0, t = 2.0 * e.y / size - 1.0;
+  const double step = 2.0 / size;
+  return {glm::normalize(axes.at(s, t)), glm::normalize(e.down ? axes.at(s, t + step) : axes.at(s + step, t))};
+}
+
+}  // namespace candela::overlap

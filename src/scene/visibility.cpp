@@ -1,0 +1,183 @@
+#include "scene/visibility.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace candela {
+
+namespace {
+
+using glm::dmat4;
+using Plane = glm::dvec4;  ///< inside where dot(plane, (p, 1)) >= 0
+
+Box3 bounds_of(const Mesh& mesh) {
+  Box3 box;
+  for (const Primitive& primitive : mesh.primitives) {
+    for (const vec3 p : primitive.positions) box.extend(p);
+  }
+  return box;
+}
+
+dvec3 corner(const Box3& box, int i) {
+  return {(i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
+          (i & 4) != 0 ? box.upper.z : box.lower.z};
+}
+
+/// The sides of what the picture shows and the plane of the camera, in its own space.
+std::array<Plane, 5> sides_of(const View& view) {
+  if (const auto* o = std::get_if<OrthographicCamera>(&view.projection)) {
+    return {Plane(1, 0, 0, o->xmag), Plane(-1, 0, 0, o->xmag), Plane(0, 1, 0, o->ymag), Plane(0, -1, 0, o->ymag),
+            Plane(0, 0, -1, 0)};
+  }
+  const auto& p = std::get<PerspectiveCamera>(view.projection);
+  const double y = std::tan(0.5 * static_cast<double>(p.yfov));
+  const double x = y * static_cast<double>(p.aspect_ratio.value_or(1.0f));
+  return {Plane(1, 0, -x, 0), Plane(-1, 0, -x, 0), Plane(0, 1, -y, 0), Plane(0, -1, -y, 0), Plane(0, 0, -1, 0)};
+}
+
+double above(const Plane& plane, const dvec3& p) { return glm::dot(dvec3(plane), p) + plane.w; }
+
+/// Sutherland and Hodgman 1974: cut by one plane after another until nothing is left.
+bool is_cut_away(const std::array<dvec3, 3>& triangle, const std::array<Plane, 5>& planes) {
+  std::vector<dvec3> polygon(triangle.begin(), triangle.end()), left;
+  for (const Plane& plane : planes) {
+    left.clear();
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const dvec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+      const double over_a = above(plane, a), over_b = above(plane, b);
+      if (over_a > 0.0) left.push_back(a);
+      if ((over_a > 0.0) != (over_b > 0.0)) left.push_back(a + (b - a) * (over_a / (over_a - over_b)));
+    }
+    if (left.size() < 3) return true;
+    std::swap(polygon, left);
+  }
+  return false;
+}
+
+bool sees_mesh(const Mesh& mesh, const Box3& box, const dmat4& camera_from_mesh, const std::array<Plane, 5>& planes) {
+  const auto seen = [&](const dvec3& p) { return dvec3(camera_from_mesh * glm::dvec4(p, 1.0)); };
+  for (const Plane& plane : planes) {
+    bool is_outside = true;
+    for (int i = 0; i < 8; ++i) is_outside &= above(plane, seen(corner(box, i))) <= 0.0;
+    if (is_outside) return false;
+  }
+  for (const Primitive& primitive : mesh.primitives) {
+    for (const uvec3& t : primitive.triangles) {
+      const std::array corners = {seen(dvec3(primitive.positions[t.x])), seen(dvec3(primitive.positions[t.y])),
+                                  seen(dvec3(primitive.positions[t.z]))};
+      const bool is_outside = std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+        return above(plane, corners[0]) <= 0.0 && above(plane, corners[1]) <= 0.0 && above(plane, corners[2]) <= 0.0;
+      });
+      if (!is_outside && !is_cut_away(corners, planes)) return true;
+    }
+  }
+  return false;
+}
+
+float component_quantile(std::vector<float>& values, double share) {
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(at), values.end());
+  return values[at];
+}
+
+/// Calls `f(node, world_from_node, primitive)` for everything that is placed.
+template <class F>
+void for_each_placed(const Scene& scene, const F& f) {
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    if (scene.nodes[n].mesh < 0) continue;
+    for (const Primitive& p : scene.meshes[static_cast<std::size_t>(scene.nodes[n].mesh)].primitives) {
+      f(n, scene.nodes[n].world_from_node, p);
+    }
+  }
+}
+
+double surface_area(const Scene& scene) {
+  double area = 0.0;
+  for_each_placed(scene, [&](std::size_t, const mat4& world, const Primitive& p) {
+    for (const uvec3& t : p.triangles) {
+      const dvec3 a(transform_point(world, p.positions[t.x])), b(transform_point(world, p.positions[t.y])),
+          c(transform_point(world, p.positions[t.z]));
+      area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    }
+  });
+  return area;
+}
+
+/// Vertices, one in so many where there are very many.
+std::vector<vec3> sample_vertices(const Scene& scene) {
+  constexpr std::size_t kMost = 1 << 20;
+  std::size_t count = 0;
+  for_each_placed(scene, [&](std::size_t, const mat4&, const Primitive& p) { count += p.positions.size(); });
+  const std::size_t stride = count / kMost + 1;
+  std::vector<vec3> points;
+  std::size_t next = 0;
+  for_each_placed(scene, [&](std::size_t, const mat4& world, const Primitive& p) {
+    for (; next < p.positions.size(); next += stride) points.push_back(transform_point(world, p.positions[next]));
+    next -= p.positions.size();
+  });
+  return points;
+}
+
+std::optional<Diagnostic> find_far_vertex(const Scene& scene, const Box3& bounds) {
+  // Framed, nine tenths of the vertices are less than a hundredth of the picture wide, and all surfaces together less
+  // than a two-hundredth part of it: a dot with a hairline to the stray. A floor as wide as that is something to see.
+  constexpr float kSmall = 0.01f;
+  constexpr double kLeastShare = 5e-3;
+  const float whole = glm::length(bounds.size());
+  std::vector<vec3> points = sample_vertices(scene);
+  if (points.empty() || !(whole > 0.0f)) return std::nullopt;
+  vec3 middle;
+  std::vector<float> values(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < points.size(); ++i) values[i] = points[i][axis];
+    middle[axis] = component_quantile(values, 0.5);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) values[i] = glm::length(points[i] - middle);
+  const float most = component_quantile(values, 0.9);
+  if (2.0f * most >= kSmall * whole) return std::nullopt;
+  if (surface_area(scene) >= kLeastShare * static_cast<double>(whole) * static_cast<double>(whole)) return std::nullopt;
+
+  float farthest = -1.0f;
+  std::size_t at = 0;
+  for_each_placed(scene, [&](std::size_t node, const mat4& world, const Primitive& p) {
+    for (const vec3 position : p.positions) {
+      const float distance = glm::length(transform_point(world, position) - middle);
+      if (distance > farthest) farthest = distance, at = node;
+    }
+  });
+  const std::string& name = scene.nodes[at].name;
+  return Diagnostic{
+      fmt::format("node {}{} has a vertex {:.3g} m from the rest, nine tenths of which lie within {:.3g} m: "
+                  "framed as a whole, the scene shows next to nothing",
+                  number_of(scene.nodes, at), name.empty() ? "" : fmt::format(" '{}'", name), farthest, most),
+      {}};
+}
+
+}  // namespace
+
+bool sees_something(const Scene& scene, const View& view) {
+  const std::array<Plane, 5> planes = sides_of(view);
+  const dmat4 camera_from_world = glm::inverse(dmat4(view.world_from_camera));
+  std::vector<Box3> boxes;
+  for (const Mesh& mesh : scene.meshes) boxes.push_back(bounds_of(mesh));
+  return std::any_of(scene.nodes.begin(), scene.nodes.end(), [&](const Node& node) {
+    if (node.mesh < 0) return false;
+    const auto mesh = static_cast<std::size_t>(node.mesh);
+    return !boxes[mesh].empty() &&
+           sees_mesh(scene.meshes[mesh], boxes[mesh], camera_from_world * dmat4(node.world_from_node), planes);
+  });
+}
+
+std::optional<Diagnostic> find_emptiness(const Scene& scene) {
+  const Box3 bounds = world_bounds(scene);
+  if (!bounds.empty()) return find_far_vertex(scene, bounds);
+  return Diagnostic{scene.meshes.empty() ? "nothing in the scene has a mesh" : "no mesh of the scene has a triangle",
+                    {}};
+}
+
+}  // namespace candela

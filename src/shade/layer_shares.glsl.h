@@ -1,0 +1,93 @@
+#ifndef CANDELA_SHADE_LAYER_SHARES_GLSL_H
+#define CANDELA_SHADE_LAYER_SHARES_GLSL_H
+
+#include "shade/surface_layers.glsl.h"
+
+// What each lobe of a layered surface returns of light that is the same from everywhere: shade/image_light.glsl.h.
+
+SHADE_BEGIN
+
+/// Points that the terms of other models are summed over. They fill the square evenly: Roberts 2018, the additive
+/// recurrence with the plastic number.
+SHADE_CONST int kModelPoints = 64;
+
+SHADE_FN vec2 layers_model_point(int i) {
+  return fract(vec2(0.5f + 0.7548776662f * float(i), 0.5f + 0.5698402910f * float(i)));
+}
+
+/// The tables know the default terms of facets; of others what they reflect is the sum of their values.
+SHADE_FN vec3 layers_model_specular(SHADE_IN(Surface) s, vec3 wo) {
+  vec3 mirrored = vec3(-wo.x, -wo.y, wo.z);
+  if (s.is_mirror) return terms_fresnel_opaque(s, wo.z) * layers_over(s, layers_at(s, mirrored));
+  bool is_wide = s.model.distribution == kDistributionCharlie;
+  vec3 sum = vec3(0.0f);
+  for (int i = 0; i < kModelPoints; ++i) {
+    vec2 u = layers_model_point(i);
+    vec3 wi = is_wide ? uniform_hemisphere_sample(u) : microfacet_reflect(wo, terms_sample_visible(s, wo, u));
+    if (wi.z <= 0.0f) continue;
+    vec3 wm = wo + wi;
+    float cos_m = 0.5f * length(wm);
+    wm = wm * (0.5f / cos_m);
+    float density = is_wide ? 0.5f / kShadePi : terms_pdf_visible(s, wo, wm);
+    float value = terms_dv(s, wo, wi, wm) * layers_over(s, layers_at(s, wi)) * wi.z;
+    sum += terms_fresnel_opaque(s, cos_m) * (value / density);
+  }
+  vec3 lost = s.multiscatter * (kShadePi * s.escape_mean * s.escape_o);
+  return sum * (1.0f / float(kModelPoints)) + lost * layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
+}
+
+SHADE_FN vec3 layers_model_diffuse(SHADE_IN(Surface) s, vec3 wo) {
+  vec3 sum = vec3(0.0f);
+  for (int i = 0; i < kModelPoints; ++i) {
+    vec3 wi = cosine_sample(layers_model_point(i));
+    if (wi.z <= 0.0f) continue;
+    float cos_m = 0.5f * length(wo + wi);
+    vec2 ab = layers_ggx(s, wi, s.curve);
+    sum +=
+        terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, wi, cos_m, layers_at(s, wi), ab);
+  }
+  return sum * (kShadePi / float(kModelPoints));
+}
+
+SHADE_FN vec3 layers_model_sheen(SHADE_IN(Surface) s, vec3 wo) {
+  vec3 sum = vec3(0.0f);
+  for (int i = 0; i < kModelPoints; ++i) {
+    vec3 wi = uniform_hemisphere_sample(layers_model_point(i));
+    if (wi.z > 0.0f) sum += layers_eval_sheen(s, wo, wi, layers_at(s, wi));
+  }
+  return sum * (2.0f * kShadePi / float(kModelPoints));
+}
+
+SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
+  float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
+  vec2 ab = layers_ggx(s, wo, s.curve);
+  vec3 specular = s.specular_albedo_o;
+  // The tables know a film at normal incidence; here it has the colour of this angle.
+  if (s.iridescence > 0.0f) specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - s.single_albedo_o;
+  r.specular = specular * over;
+  r.diffuse = s.diffuse * s.film_below_o * s.transmission_o;
+  r.below = s.diffuse_below * s.film_below_o * s.transmission_o;
+  r.sheen = s.sheen * (s.sheen_albedo_o * (1.0f - s.coat * s.coat_albedo_o));
+  r.coat = vec3(s.coat * s.coat_albedo_o);
+#ifndef SHADE_DEFAULT_MODEL
+  if ((s.lobes & kLobeModel) != 0) {
+    r.specular = layers_model_specular(s, wo);
+    r.diffuse = layers_model_diffuse(s, wo);
+    if (s.sheen_weight > 0.0f) r.sheen = layers_model_sheen(s, wo);
+  }
+#endif
+  if (s.weight_glass <= 0.0f) return;
+  // A smooth boundary, or a film, reflects by the exact curve; a rough one loses what the tables of glass say.
+  vec2 ab_glass = layers_ggx(s, wo, table_curve(max(s.eta, 1.0f / s.eta)));
+  vec3 reflected = s.glass_f0_tinted * ab_glass.x + vec3(s.f90_dielectric * ab_glass.y);
+  if (s.is_glass_delta) reflected = terms_fresnel_glass(s, wo.z);
+  if (s.iridescence > 0.0f) reflected = terms_fresnel_glass(s, wo.z) * (ab.x + ab.y);
+  vec3 lost = vec3(s.glass_escape_o * s.glass_reflected);
+  reflected = min(reflected + lost, vec3(1.0f));
+  r.glass = reflected * (s.weight_glass * over);
+  r.through = s.glass_tint * (vec3(1.0f) - reflected) * (s.weight_glass * over);
+}
+
+SHADE_END
+
+#endif
