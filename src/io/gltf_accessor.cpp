@@ -76,8 +76,10 @@ void decode_element(const std::byte* source, std::size_t components, float divis
 template <class T>
 void decode(const Accessor& accessor, const Selection& selection, std::size_t count, float* out) {
   const std::size_t components = accessor.components;
-  const float divisor =
-      std::is_integral_v<T> && accessor.normalized ? static_cast<float>(std::numeric_limits<T>::max()) : 1.0f;
+  float divisor = 1.0f;
+  if constexpr (std::is_integral_v<T>) {
+    if (accessor.normalized) divisor = static_cast<float>(std::numeric_limits<T>::max());
+  }
   if (!accessor.bytes.empty()) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t element = selection ? (*selection)[i] : i;
@@ -204,8 +206,7 @@ Accessor AccessorReader::open(const JsonView& reference, std::initializer_list<c
   result.component_type = static_cast<int>(std::min<std::uint64_t>(component_type.whole(), 0xFFFF));
   const std::size_t size = component_size(result.component_type, component_type) * result.components;
   result.normalized = json.boolean_or("normalized", false);
-  const bool is_plain = result.component_type < kU32;
-  if (result.normalized && !is_plain) throw json.error("only integers of 8 and 16 bits can be normalized");
+  if (result.normalized && result.component_type == kU32) throw json.error("32-bit integers cannot be normalized");
 
   const auto view_index = json.find("bufferView");
   const bool is_draco = open_draco(index, result);  // beside it there may be a fallback

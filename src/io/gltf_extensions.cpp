@@ -87,9 +87,6 @@ constexpr auto kUnseen = std::to_array<std::string_view>({
 /// Of them, images in another form: unseen where the file has them as PNG or JPEG too, needed where it requires them.
 constexpr auto kOtherImages =
     std::to_array<std::string_view>({"EXT_texture_avif", "EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds"});
-/// Without them the numbers of the geometry are not in the file.
-constexpr std::array<std::string_view, 3> kStorage{"EXT_meshopt_compression", "KHR_draco_mesh_compression",
-                                                   "KHR_meshopt_compression"};
 
 bool is_in(std::span<const std::string_view> list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();
@@ -121,7 +118,7 @@ void check_extensions(const JsonView& root, const FileInfo& info, bool refuse_un
   for (const std::string& name : info.extensions_missing) {
     const JsonView list = root.at("extensionsRequired");
     const std::string message = fmt::format("the file requires {}, which is not supported", name);
-    if (refuse_unknown || is_in(kStorage, name)) throw list.error(message);
+    if (refuse_unknown) throw list.error(message);
     warnings.warn(message, list);
   }
   for (const std::string& name : info.extensions_ignored) {

@@ -11,7 +11,7 @@ namespace candela::io {
 void sort_extensions(const GltfDocument& document, FileInfo& info);
 
 /// Tells of them: a warning for what is ignored, a note for what no picture shows; an Error for what is missing, or
-/// with `refuse_unknown` false a warning unless it is how the geometry is stored.
+/// with `refuse_unknown` false a warning.
 void check_extensions(const JsonView& root, const FileInfo& info, bool refuse_unknown, Warnings& warnings);
 
 }  // namespace candela::io
