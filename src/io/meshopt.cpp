@@ -107,7 +107,7 @@ unsigned equal_bytes(u8x16 v, std::uint8_t value) {
 
 /// Deltas of `bits` bits each; all ones stand for a whole byte that follows.
 u8x16 unpack_group(Stream& in, unsigned bits) {
-  const std::uint8_t* packed = in.take(2 * bits);
+  const std::uint8_t* packed = in.take(std::size_t{2} * bits);
   u8x16 v;
   if (bits == 1) {
     const std::array<std::uint64_t, 2> spread{kUnpacked.one[packed[0]], kUnpacked.one[packed[1]]};

@@ -74,6 +74,7 @@ void decode_color(std::array<T, 4>& v) {
   using Signed = std::make_signed_t<T>;
   constexpr float kMost = std::numeric_limits<T>::max();
   const int most = static_cast<int>(std::bit_ceil(static_cast<unsigned>(v[3]) + 1u)) - 1;
+  // NOLINTNEXTLINE(bugprone-signed-char-misuse): bytes here are numbers with a sign
   const int y = v[0], co = static_cast<Signed>(v[1]), cg = static_cast<Signed>(v[2]);
   int a = v[3] & (most >> 1);
   a = a << 1 | (a & 1);
