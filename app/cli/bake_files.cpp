@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <set>
 #include <system_error>
 
@@ -115,7 +116,7 @@ class Moves {
   ~Moves() {
     std::error_code ignored;
     if (!is_kept_) {
-      for (auto move = done_.rbegin(); move != done_.rend(); ++move) fs::rename(move->second, move->first, ignored);
+      for (const auto& [from, to] : std::views::reverse(done_)) fs::rename(to, from, ignored);
     }
   }
   Moves() = default;
