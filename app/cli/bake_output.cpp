@@ -122,21 +122,6 @@ EncodingLoss write_plain(const fs::path& folder, const BakeResult& result) {
   return loss;
 }
 
-/// The one place where files are made.
-void write_files(const fs::path& folder, BakeResult& result) {
-  const EncodingLoss loss = result.profile != nullptr ? write_for_engine(folder, result) : write_plain(folder, result);
-  if (loss.clamped > 0) {
-    result.warnings.push_back(
-        {fmt::format("{} texels above what the format holds were clamped, the brightest was {:.4g}", loss.clamped,
-                     loss.largest),
-         ""});
-  }
-  if (result.suns) {
-    write_file(folder / "suns.json", suns_json(*result.suns));
-    write_linear_image(folder / "without_suns.exr", result.suns->rest.map);
-  }
-}
-
 Json error_json(const ibl::ErrorBound& error) { return {{"max", error.max}, {"rms", error.rms}}; }
 
 std::string_view method_name(ibl::Method method) {
@@ -185,7 +170,19 @@ std::string level_text(const std::string& name, int size, std::string_view metho
 
 }  // namespace
 
-void make_bake_files(const fs::path& folder, BakeResult& result) { write_files(folder, result); }
+void make_bake_files(const fs::path& folder, BakeResult& result) {
+  const EncodingLoss loss = result.profile != nullptr ? write_for_engine(folder, result) : write_plain(folder, result);
+  if (loss.clamped > 0) {
+    result.warnings.push_back(
+        {fmt::format("{} texels above what the format holds were clamped, the brightest was {:.4g}", loss.clamped,
+                     loss.largest),
+         ""});
+  }
+  if (result.suns) {
+    write_file(folder / "suns.json", suns_json(*result.suns));
+    write_linear_image(folder / "without_suns.exr", result.suns->rest.map);
+  }
+}
 
 std::string bake_json(const BakeResult& result) {
   Json json = {{"environment", result.name}};

@@ -55,7 +55,7 @@ struct BakeResult {
 void write_bake(const std::filesystem::path& folder, const Inputs& inputs, const std::filesystem::path& report,
                 BakeResult& result);
 
-/// The files themselves, but for bake.json; write_bake() calls it.
+/// The files themselves, but for bake.json.
 void make_bake_files(const std::filesystem::path& folder, BakeResult& result);
 
 /// For a person, for a machine, and as one page of HTML with pictures in it.

@@ -140,6 +140,7 @@ class Loader {
  private:
   void collect_meshes();
   void collect_materials();
+  std::vector<JsonView> draco_views() const;
   void read_meshes_and_images(Kept* kept);
   void lose_image(std::size_t image, const Error& cause);
   Mesh read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins);
@@ -188,6 +189,19 @@ void Loader::collect_meshes() {
   std::size_t count = 0;
   for (auto& [key, index] : mesh_of_key_) index = count++;
   for (const auto& [node, found] : uses) mesh_of_node_[node] = found->second;
+}
+
+/// References to the Draco data of all meshes that the scene uses.
+std::vector<JsonView> Loader::draco_views() const {
+  std::vector<JsonView> views;
+  for (const auto& entry : mesh_of_key_) {
+    const JsonView primitives = root_.at("meshes")[std::get<0>(entry.first)].at("primitives");
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      const auto draco = primitives[i].extension("KHR_draco_mesh_compression");
+      if (draco) views.push_back(draco->at("bufferView"));
+    }
+  }
+  return views;
 }
 
 void Loader::collect_materials() {
@@ -246,6 +260,7 @@ void Loader::read_meshes_and_images(Kept* kept) {
   std::exception_ptr error;
   std::atomic<std::uint64_t> texels = 0;
   const auto read_meshes = [&] {
+    buffers_.decode_draco(draco_views());
     MeshReader reader(reader_, warnings_, materials_.materials, materials_.material_of_file,
                       materials_.default_material, variant_);
     std::map<std::size_t, std::vector<mat4>> skins;

@@ -133,29 +133,23 @@ AccessorReader::AccessorReader(const JsonView& root, GltfBuffers& buffers, std::
       has_restarts_ |= name == "EXT_mesh_primitive_restart" || name == "KHR_mesh_primitive_restart";
     }
   }
-  find_draco();
 }
 
-void AccessorReader::find_draco() {
+void AccessorReader::begin_primitive(const JsonView& primitive) {
+  draco_.clear();
+  const auto draco = primitive.extension("KHR_draco_mesh_compression");
+  if (!draco) return;
   const std::size_t accessors = count_of(root_, "accessors");
-  for (std::size_t m = 0; m < count_of(root_, "meshes"); ++m) {
-    const auto primitives = root_.at("meshes")[m].find("primitives");
-    for (std::size_t i = 0; primitives && i < primitives->size(); ++i) {
-      const JsonView primitive = (*primitives)[i];
-      const auto draco = primitive.extension("KHR_draco_mesh_compression");
-      if (!draco) continue;
-      const JsonView view = draco->at("bufferView");
-      if (const auto indices = primitive.index_of("indices", accessors, "accessor")) {
-        draco_.try_emplace(*indices, DracoSource{view, std::nullopt});
-      }
-      const JsonView ids = draco->at("attributes");
-      for (const std::string& name : ids.keys()) {
-        const auto accessor = primitive.at("attributes").index_of(name.c_str(), accessors, "accessor");
-        const std::uint64_t id = ids.at(name.c_str()).whole();
-        if (id > 0xFFFFFFFF) throw ids.at(name.c_str()).error("is no attribute of Draco");
-        if (accessor) draco_.try_emplace(*accessor, DracoSource{view, static_cast<std::uint32_t>(id)});
-      }
-    }
+  const JsonView view = draco->at("bufferView");
+  if (const auto indices = primitive.index_of("indices", accessors, "accessor")) {
+    draco_.try_emplace(*indices, DracoSource{view, std::nullopt});
+  }
+  const JsonView ids = draco->at("attributes");
+  for (const std::string& name : ids.keys()) {
+    const auto accessor = primitive.at("attributes").index_of(name.c_str(), accessors, "accessor");
+    const std::uint64_t id = ids.at(name.c_str()).whole();
+    if (id > 0xFFFFFFFF) throw ids.at(name.c_str()).error("is no attribute of Draco");
+    if (accessor) draco_.try_emplace(*accessor, DracoSource{view, static_cast<std::uint32_t>(id)});
   }
 }
 

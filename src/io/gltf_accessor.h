@@ -42,6 +42,10 @@ class AccessorReader {
  public:
   AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes, Warnings& warnings);
 
+  /// From here on accessors are those of `primitive`: where it has KHR_draco_mesh_compression they hold what the Draco
+  /// data says, whatever its fallback does.
+  void begin_primitive(const JsonView& primitive);
+
   /// The accessor that the JSON number `reference` points at. `types`: what may stand there, e.g. {"VEC3", "VEC4"}. Of
   /// a primitive with KHR_draco_mesh_compression it holds what the Draco data says.
   Accessor open(const JsonView& reference, std::initializer_list<const char*> types);
@@ -67,7 +71,6 @@ class AccessorReader {
  private:
   void read(const Accessor& accessor, const Selection& selection, float* out) const;
   void open_sparse(Accessor& accessor, const JsonView& sparse);
-  void find_draco();
   bool open_draco(std::size_t index, Accessor& accessor);
 
   /// Where the values of an accessor are in Draco data.
@@ -82,7 +85,7 @@ class AccessorReader {
   std::uint64_t file_bytes_;
   Warnings& warnings_;
   std::uint64_t charged_ = 0;
-  std::map<std::size_t, DracoSource> draco_;  ///< by accessor
+  std::map<std::size_t, DracoSource> draco_;  ///< of the primitive, by accessor
   bool has_restarts_ = false;
 };
 

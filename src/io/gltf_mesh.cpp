@@ -462,6 +462,7 @@ void MeshReader::finish_tangents(const JsonView& json, Primitive& primitive) {
 }
 
 std::optional<Primitive> MeshReader::read_primitive(const JsonView& json, const MeshPose& pose) {
+  reader_.begin_primitive(json);
   const std::uint64_t mode = mode_of_primitive(json);
   if (mode > 6) throw json.at("mode").error(fmt::format("{} is not a primitive mode", mode));
   if (mode < 4) {

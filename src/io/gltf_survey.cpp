@@ -199,6 +199,7 @@ void Surveyor::measure_normals(const JsonView& attributes, FileSurvey::Primitive
 }
 
 FileSurvey::Primitive Surveyor::survey_primitive(const JsonView& json) {
+  reader_.begin_primitive(json);
   FileSurvey::Primitive result;
   result.where = json.where();
   const JsonView attributes = json.at("attributes");
