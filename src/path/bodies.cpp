@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <map>
 #include <numeric>
 #include <unordered_map>
 
-#include "math/hash.h"
+#include "math/position_hash.h"
 #include "path/surface_point.h"
 
 namespace candela::path {
@@ -43,14 +42,6 @@ std::vector<Part> find_parts(const std::vector<Placement>& placements) {
   }
   return parts;
 }
-
-struct PositionHash {
-  std::size_t operator()(const vec3& p) const {
-    std::uint32_t h = hash(std::bit_cast<std::uint32_t>(p.x));
-    h = hash_combine(h, std::bit_cast<std::uint32_t>(p.y));
-    return hash_combine(h, std::bit_cast<std::uint32_t>(p.z));
-  }
-};
 
 /// The edges of a mesh, in its own space, whose faces on both sides do not make up for each other.
 std::vector<OpenEdge> find_open_edges(const std::vector<const MeshData*>& meshes) {

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "math/hash.h"
+#include "math/position_hash.h"
 #include "shade/color.glsl.h"
 
 namespace candela::raster {
@@ -137,14 +137,7 @@ std::vector<Glow> glow_of_triangles(const Scene& scene, const Primitive& primiti
 
 /// Numbers of corners, the same for those at one place.
 std::vector<std::uint32_t> welded(const Primitive& primitive) {
-  struct Hash {
-    std::size_t operator()(const vec3& p) const {
-      std::array<std::uint32_t, 3> bits{};
-      std::memcpy(bits.data(), &p, sizeof bits);
-      return hash_combine(hash_combine(bits[0], bits[1]), bits[2]);
-    }
-  };
-  std::unordered_map<vec3, std::uint32_t, Hash> first;
+  std::unordered_map<vec3, std::uint32_t, PositionHash> first;
   first.reserve(primitive.positions.size());
   std::vector<std::uint32_t> corner(primitive.positions.size());
   for (std::uint32_t i = 0; i < corner.size(); ++i) {
