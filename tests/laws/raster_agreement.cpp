@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "io/gltf.h"
+#include "laws/raster_draw.h"
 #include "path/capture.h"
 #include "raster/packing.h"
 #include "raster/render.h"
@@ -32,9 +33,7 @@ raster::Settings drawn(int size) {
 
 Film draw(const Scene& scene, const Environment& environment, const View& view, const raster::Settings& settings) {
   Diagnostics diagnostics;
-  raster::Statistics statistics;
-  Film film = raster::render(scene, environment, view, settings, diagnostics, &statistics);
-  EXPECT_EQ(statistics.non_finite_pixels, 0u);
+  Film film = test::draw(scene, environment, view, settings, diagnostics);
   EXPECT_TRUE(diagnostics.warnings().empty());
   return film;
 }

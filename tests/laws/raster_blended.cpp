@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "laws/raster_draw.h"
 #include "raster/render.h"
 #include "unit/path/scenes.h"
 #include "unit/raster/gl_fixture.h"
@@ -28,13 +29,7 @@ raster::Settings drawn(int msaa = 1) {
   return s;
 }
 
-Film draw(const Scene& scene, const Environment& environment, const View& view, const raster::Settings& settings) {
-  Diagnostics diagnostics;
-  raster::Statistics statistics;
-  Film film = raster::render(scene, environment, view, settings, diagnostics, &statistics);
-  EXPECT_EQ(statistics.non_finite_pixels, 0u);
-  return film;
-}
+using test::draw;
 
 View ahead(float half) {
   View view = look_at({0, 0, 5}, vec3(0.0f), 1.0f);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "laws/raster_draw.h"
 #include "raster/render.h"
 #include "unit/path/scenes.h"
 #include "unit/raster/gl_fixture.h"
@@ -56,11 +57,7 @@ View front() {
 }
 
 Film draw(const Scene& scene, const Environment& environment, const raster::Settings& settings) {
-  Diagnostics diagnostics;
-  raster::Statistics statistics;
-  Film film = raster::render(scene, environment, front(), settings, diagnostics, &statistics);
-  EXPECT_EQ(statistics.non_finite_pixels, 0u);
-  return film;
+  return test::draw(scene, environment, front(), settings);
 }
 
 Primitive pane(float z = 0.0f) { return quad({-2, -2, z}, {4, 0, 0}, {0, 4, 0}); }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "laws/raster_draw.h"
 #include "raster/render.h"
 #include "unit/path/scenes.h"
 #include "unit/raster/gl_fixture.h"
@@ -23,13 +24,7 @@ raster::Settings drawn(int size) {
   return s;
 }
 
-Film draw(const Scene& scene, const Environment& environment, const View& view, const raster::Settings& settings) {
-  Diagnostics diagnostics;
-  raster::Statistics statistics;
-  Film film = raster::render(scene, environment, view, settings, diagnostics, &statistics);
-  EXPECT_EQ(statistics.non_finite_pixels, 0u);
-  return film;
-}
+using test::draw;
 
 double share_of_wrong_pixels(const Image& expected, const Image& found) {
   double wrong = 0.0, count = 0.0;
