@@ -30,7 +30,7 @@ Wrap read_wrap(const JsonView& sampler, const char* key, Warnings& warnings) {
 Texture read_texture(const JsonView& root, const JsonView& json, Warnings& warnings) {
   Texture texture;
   texture.name = json.string_or("name");
-  texture.image = static_cast<int>(json.at("source").index(count_of(root, "images"), "image"));
+  texture.image = static_cast<int>(texture_source(json).value().index(count_of(root, "images"), "image"));
   if (const auto index = json.index_of("sampler", count_of(root, "samplers"), "sampler")) {
     const JsonView sampler = root.at("samplers")[*index];
     texture.wrap_u = read_wrap(sampler, "wrapS", warnings);
@@ -93,7 +93,6 @@ void gather_textures(const JsonView& root, GltfBuffers& buffers, Warnings& warni
 /// Names formats that glTF extensions allow and this loader does not read.
 const char* foreign_format(std::span<const std::byte> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with("\xABKTX 20\xBB")) return "KTX2";
   if (text.starts_with("RIFF") && text.substr(0, 12).ends_with("WEBP")) return "WebP";
   return text.starts_with("DDS ") ? "DDS" : nullptr;
 }

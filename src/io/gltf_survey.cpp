@@ -47,6 +47,16 @@ void read_png_header(std::span<const std::byte> bytes, FileSurvey::Image& image)
   }
 }
 
+void read_texture_header(std::span<const std::byte> bytes, const std::string& label, FileSurvey::Image& image) {
+  image.texture = parse_texture_info(bytes, label);
+  const TextureInfo& info = *image.texture;
+  image.format = fmt::format("{}, {}", container_name(info.container), info.format);
+  if (info.supercompression != "none") image.format += ", " + info.supercompression;
+  const bool is_coded = info.block ? !info.block->is_hdr : !info.texel || texel_layout(*info.texel).type_bytes == 1;
+  image.bits = is_coded ? 8 : 16;
+  image.has_alpha = info.texel ? texel_layout(*info.texel).channels == 4 : info.channels == TextureChannels::rgba;
+}
+
 /// Whether a triangle has no area but for rounding, whichever way the compiler multiplies and adds.
 bool is_flat(const dvec3& a, const dvec3& b, const dvec3& c) {
   constexpr double kSine = 1e-14;
@@ -149,6 +159,7 @@ FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
     const ImageFormat format = sniff_image_format(bytes);
     image.format = format_name(format);
     if (format == ImageFormat::png) read_png_header(bytes, image);
+    if (sniff_texture(bytes) == TextureContainer::ktx2) read_texture_header(bytes, source.label, image);
     const auto read = load_image({source.json, source.label, source.file_index, bytes, std::nullopt, std::nullopt},
                                  uris_, decode, texels);
     if (read == nullptr) {
