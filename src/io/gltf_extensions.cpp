@@ -42,6 +42,7 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "KHR_mesh_primitive_restart",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 });
 /// Describe the asset, what it sounds like, how it moves when someone plays with it, or another way to store what the
