@@ -30,6 +30,7 @@ struct Counts {
   std::size_t triangles = 0;         ///< stored once per mesh
   std::size_t placed_triangles = 0;  ///< as often as nodes show them
   std::size_t placed_meshes = 0;
+  std::size_t hidden_nodes = 0;
 };
 
 Counts count(const Scene& scene) {
@@ -46,6 +47,7 @@ Counts count(const Scene& scene) {
     total.triangles += triangles;
   }
   for (const Node& node : scene.nodes) {
+    total.hidden_nodes += node.is_hidden ? 1 : 0;
     if (node.mesh < 0) continue;
     total.placed_triangles += of_mesh[static_cast<std::size_t>(node.mesh)];
     ++total.placed_meshes;
@@ -126,6 +128,7 @@ void describe_content(const Scene& scene, const FileSurvey* survey, Json& json, 
   const Counts counts = count(scene);
   json["name"] = scene.name;
   json["nodes"] = scene.nodes.size();
+  json["hidden_nodes"] = counts.hidden_nodes;
   json["meshes"] = scene.meshes.size();
   json["primitives"] = counts.primitives;
   json["vertices"] = counts.vertices;
@@ -134,7 +137,8 @@ void describe_content(const Scene& scene, const FileSurvey* survey, Json& json, 
   json["instanced_triangles"] = counts.placed_triangles;
   json["textures"] = scene.textures.size();
   if (!scene.name.empty()) table.row("name", scene.name);
-  table.row("nodes", fmt::format("{}, {} with a mesh", scene.nodes.size(), counts.placed_meshes));
+  table.row("nodes", fmt::format("{}, {} with a mesh{}", scene.nodes.size(), counts.placed_meshes,
+                                 counts.hidden_nodes > 0 ? fmt::format(", {} hidden", counts.hidden_nodes) : ""));
   table.row("meshes", fmt::format("{} of {} primitives", scene.meshes.size(), counts.primitives));
   table.row("triangles",
             fmt::format("{}, {} as placed; {} vertices", counts.triangles, counts.placed_triangles, counts.vertices));

@@ -173,7 +173,7 @@ void Loader::collect_meshes() {
   std::map<std::size_t, std::vector<float>> default_weights;
   for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
     FileNode& node = file_.nodes[i];
-    if (!node.in_scene || !node.mesh) continue;
+    if (!node.is_used || !node.mesh) continue;
     const JsonView mesh = root_.at("meshes")[*node.mesh];
     std::vector<float> weights = node.weights ? *node.weights : read_weights(root_.at("nodes")[i]);
     if (weights.empty()) {
@@ -313,7 +313,7 @@ void Loader::read_meshes_and_images(Kept* kept) {
 void Loader::read_cameras_and_lights() {
   for (const FileNode& node : file_.nodes) {
     if (node.in_scene && node.camera) camera_of_file_[*node.camera] = 0;
-    if (node.in_scene && node.light) light_of_file_[*node.light] = 0;
+    if (node.is_used && node.light) light_of_file_[*node.light] = 0;
   }
   for (auto& [file_index, index] : camera_of_file_) {
     index = static_cast<int>(scene_.cameras.size());
@@ -324,7 +324,7 @@ void Loader::read_cameras_and_lights() {
   for (auto& [file_index, index] : light_of_file_) index = lights.add_punctual(file_index);
   for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
     const FileNode& node = file_.nodes[i];
-    if (node.in_scene && node.ies) ies_light_of_node_[i] = lights.add_ies(*node.ies);
+    if (node.is_used && node.ies) ies_light_of_node_[i] = lights.add_ies(*node.ies);
   }
 }
 
@@ -414,6 +414,11 @@ void Loader::place_nodes() {
     node.parent_from_node = source.parent_from_node;
     node.file_index = static_cast<int>(i);
     if (source.camera) node.camera = camera_of_file_.at(*source.camera);
+    node.is_hidden = !source.is_shown;
+    if (!source.is_shown) {
+      scene_.nodes.push_back(std::move(node));
+      continue;
+    }
     if (source.light) node.light = light_of_file_.at(*source.light);
     const auto mesh = mesh_of_node_[i];
     if (mesh && !scene_.meshes[*mesh].primitives.empty()) {

@@ -79,7 +79,8 @@ std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path);
 /// appears once per pose); a skinned mesh, whose node's own transform glTF ignores, moves to a root node of the same
 /// name and number after the file's nodes; so do the instances of EXT_mesh_gpu_instancing, as children, with their
 /// _COLOR_0 as Node::color; the IES light of a node that has a punctual one too becomes its child there. Triangles
-/// without an area and vertices without a triangle are dropped. Every uv set that a primitive's material reads is
+/// without an area and vertices without a triangle are dropped. What KHR_node_visibility hides is left out: its nodes
+/// stand, with their cameras, but hold nothing else; it is read where an animation may show it. Every uv set that a primitive's material reads is
 /// present, as zeros where the file has none. Coordinates stay within 1e9 metres.
 ///
 /// Nodes stand as the file places them; GltfFile has them at any moment of its animations.
@@ -108,8 +109,9 @@ class GltfFile {
   const FileInfo& info() const;
   /// Indices into info().animations of what Pose::animation names; throws Error as there.
   std::vector<std::size_t> find_animations(const std::string& name) const;
-  /// The scene as its nodes stand, or as an animation has them. Two scenes of one file have the same nodes, materials,
-  /// images, cameras and lights; their meshes differ where they are skinned or morphed.
+  /// The scene as its nodes stand, or as an animation has them. Two scenes of one file have the same nodes of the file,
+  /// materials, images, cameras and lights; their meshes differ where they are skinned or morphed, what nodes hold where
+  /// they are hidden.
   Scene scene(Diagnostics& diagnostics, const std::optional<Pose>& pose = std::nullopt);
 
  private:

@@ -43,6 +43,7 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "KHR_mesh_primitive_restart",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_node_visibility",
     "KHR_texture_basisu",
     "KHR_texture_transform",
 });

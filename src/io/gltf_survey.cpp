@@ -123,7 +123,7 @@ const std::vector<vec3>& Surveyor::positions(const JsonView& reference) {
 
 void Surveyor::find_meshes() {
   for (const FileNode& node : read_nodes(root_, warnings_).nodes) {
-    if (node.in_scene && node.mesh) meshes_.insert(*node.mesh);
+    if (node.is_used && node.mesh) meshes_.insert(*node.mesh);
   }
 }
 

@@ -271,6 +271,7 @@ struct Node {
   int light = -1;
   int file_index = -1;
   vec4 color{1.0f};  ///< linear RGBA within 0 … 1, multiplies the base colour of its mesh as vertex colours do
+  bool is_hidden = false;  ///< KHR_node_visibility: holds neither mesh nor light, whatever the file's node does
 };
 
 /// A uniformly bright disc infinitely far away, e.g. the sun.
