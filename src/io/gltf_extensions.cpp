@@ -22,6 +22,7 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "EXT_texture_astc",
     "KHR_accessor_float16",
     "KHR_accessor_float64",
+    "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
@@ -100,6 +101,9 @@ bool is_unseen(std::string_view name) {
 }
 
 }  // namespace
+
+bool is_supported_extension(std::string_view name) { return is_in(kSupported, name); }
+bool is_unseen_extension(std::string_view name) { return is_unseen(name); }
 
 void sort_extensions(const GltfDocument& document, FileInfo& info) {
   std::optional<std::map<std::string, std::set<std::string>>> places;

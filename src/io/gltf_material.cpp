@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "image/image_file.h"
-#include "io/gltf_material_reader.h"
 
 namespace candela::io {
 
@@ -99,15 +98,14 @@ const char* foreign_format(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, bool want_default, GltfBuffers& buffers,
-                           Warnings& warnings) {
+MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, bool want_default,
+                           const std::function<Material(std::size_t)>& read, GltfBuffers& buffers, Warnings& warnings) {
   MaterialSet set;
   set.material_of_file.assign(used.size(), -1);
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
     set.material_of_file[i] = static_cast<int>(set.materials.size());
-    const JsonView json = root.at("materials")[i];
-    set.materials.push_back(read_material(root, json, i, warnings));
+    set.materials.push_back(read(i));
     set.materials.back().file_index = static_cast<int>(i);
   }
   if (want_default || set.materials.empty()) {

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "image/image_file.h"
 #include "io/gltf_material.h"
+#include "io/gltf_material_reader.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
 
@@ -141,7 +142,10 @@ void Surveyor::find_materials() {
       }
     }
   }
-  materials_ = read_materials(root_, used, want_default, buffers_, warnings_);
+  const auto read = [&](std::size_t index) {
+    return read_material(root_, root_.at("materials")[index], index, warnings_);
+  };
+  materials_ = read_materials(root_, used, want_default, read, buffers_, warnings_);
 }
 
 FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
