@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "image/image_file.h"
+#include "io/gltf_material_reader.h"
 
 namespace candela::io {
 
