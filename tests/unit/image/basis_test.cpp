@@ -10,6 +10,7 @@
 #include "image/texture_codec.h"
 #include "unit/image/basis_files.h"
 #include "unit/image/image_util.h"
+#include "unit/image/uastc_blocks.h"
 
 namespace candela {
 namespace {
@@ -67,65 +68,7 @@ TEST(unit_image_basis, files_of_the_encoder_decode_as_three_decodes_them) {
 
 // ----- all modes of UASTC, by blocks that are random but for what names the mode
 
-constexpr std::size_t kModes = 19, kBlocks = 256;
-struct ModeShape {
-  unsigned bits, length, pattern_at, pattern_bits, patterns, etc2m_at;
-};
-constexpr std::array<ModeShape, kModes> kShapes{{{0x01, 4, 0, 0, 0, 0},
-                                                 {0x35, 6, 0, 0, 0, 0},
-                                                 {0x1d, 5, 20, 5, 30, 0},
-                                                 {0x03, 5, 20, 4, 11, 0},
-                                                 {0x13, 5, 20, 5, 30, 0},
-                                                 {0x0b, 5, 0, 0, 0, 0},
-                                                 {0x1b, 5, 0, 0, 0, 0},
-                                                 {0x07, 5, 20, 5, 19, 0},
-                                                 {0x17, 5, 0, 0, 0, 0},
-                                                 {0x0f, 5, 28, 5, 30, 24},
-                                                 {0x02, 3, 0, 0, 0, 16},
-                                                 {0x00, 2, 0, 0, 0, 15},
-                                                 {0x06, 3, 0, 0, 0, 16},
-                                                 {0x1f, 5, 0, 0, 0, 24},
-                                                 {0x0d, 5, 0, 0, 0, 24},
-                                                 {0x05, 7, 0, 0, 0, 26},
-                                                 {0x15, 6, 29, 5, 30, 25},
-                                                 {0x25, 6, 0, 0, 0, 25},
-                                                 {0x09, 4, 0, 0, 0, 0}}};
-
-void put_bits(std::span<std::byte> block, unsigned at, unsigned count, unsigned value) {
-  for (unsigned i = 0; i < count; ++i, ++at) {
-    const std::byte bit{static_cast<unsigned char>(1u << (at & 7))};
-    block[at / 8] = (block[at / 8] & ~bit) | ((value >> i & 1u) != 0 ? bit : std::byte{0});
-  }
-}
-
-/// xorshift32.
-class Random {
- public:
-  explicit Random(std::uint32_t seed) : state_(seed) {}
-  std::uint32_t operator()() {
-    state_ ^= state_ << 13;
-    state_ ^= state_ >> 17;
-    return state_ ^= state_ << 5;
-  }
-
- private:
-  std::uint32_t state_;
-};
-
-Bytes random_blocks(std::size_t mode) {
-  Random random(static_cast<std::uint32_t>(mode) + 1);
-  const ModeShape& shape = kShapes[mode];
-  Bytes blocks(16 * kBlocks);
-  for (std::size_t i = 0; i < kBlocks; ++i) {
-    const std::span<std::byte> block = std::span(blocks).subspan(16 * i, 16);
-    for (std::byte& b : block) b = static_cast<std::byte>(random() >> 24);
-    put_bits(block, 0, shape.length, shape.bits);
-    const auto number = static_cast<unsigned>(i);
-    if (shape.patterns > 0) put_bits(block, shape.pattern_at, shape.pattern_bits, number % shape.patterns);
-    if (shape.etc2m_at > 0) put_bits(block, shape.etc2m_at, 4, 1 + number % 15);
-  }
-  return blocks;
-}
+constexpr std::size_t kModes = test::kUastcModes, kBlocks = 256;
 
 TEST(unit_image_basis, every_mode_of_uastc_decodes_as_three_decodes_it) {
   std::set<std::string> modes;
@@ -133,7 +76,7 @@ TEST(unit_image_basis, every_mode_of_uastc_decodes_as_three_decodes_it) {
     if (!e.file.starts_with("mode_")) continue;
     SCOPED_TRACE(e.file);
     const std::size_t mode = std::stoul(e.file.substr(5));
-    const Bytes blocks = random_blocks(mode);
+    const Bytes blocks = test::random_uastc(mode, kBlocks);
     std::vector<std::uint8_t> rgba(kBlocks * 16 * 4);
     codec::decode_uastc(blocks, e.width, e.height, UastcRounding::linear, rgba);
     EXPECT_EQ(hash_of(rgba), e.hash);
@@ -156,19 +99,19 @@ TEST(unit_image_basis, blocks_of_no_meaning_are_magenta) {
     return mode;
   };
   Bytes block(16);
-  put_bits(block, 0, 7, 0x45);  // reserved
+  test::put_bits(block, 0, 7, 0x45);  // reserved
   EXPECT_EQ(mode_of(block), -1);
   for (std::size_t mode = 0; mode < kModes; ++mode) {
-    const ModeShape& shape = kShapes[mode];
+    const test::UastcShape& shape = test::kUastcShapes[mode];
     Bytes good(16);
-    put_bits(good, 0, shape.length, shape.bits);
+    test::put_bits(good, 0, shape.length, shape.bits);
     if (shape.etc2m_at > 0) {
       EXPECT_EQ(mode_of(good), -1) << mode;  // ETC2M is 0
-      put_bits(good, shape.etc2m_at, 4, 1);
+      test::put_bits(good, shape.etc2m_at, 4, 1);
     }
     EXPECT_EQ(mode_of(good), static_cast<int>(mode));
     if (shape.patterns == 0) continue;
-    put_bits(good, shape.pattern_at, shape.pattern_bits, shape.patterns);
+    test::put_bits(good, shape.pattern_at, shape.pattern_bits, shape.patterns);
     EXPECT_EQ(mode_of(good), -1) << mode;
   }
 }
@@ -176,7 +119,7 @@ TEST(unit_image_basis, blocks_of_no_meaning_are_magenta) {
 TEST(unit_image_basis, srgb_rounds_by_one_code_at_most) {
   std::uint64_t different = 0;
   for (std::size_t mode = 0; mode < kModes; ++mode) {
-    const Bytes blocks = random_blocks(mode);
+    const Bytes blocks = test::random_uastc(mode, kBlocks);
     std::vector<std::uint8_t> linear(kBlocks * 64), srgb(kBlocks * 64);
     codec::decode_uastc(blocks, kBlocks * 4, 4, UastcRounding::linear, linear);
     codec::decode_uastc(blocks, kBlocks * 4, 4, UastcRounding::srgb, srgb);
