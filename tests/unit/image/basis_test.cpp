@@ -10,6 +10,7 @@
 #include "image/texture_codec.h"
 #include "unit/image/basis_files.h"
 #include "unit/image/image_util.h"
+#include "unit/image/texture_seeds.h"
 #include "unit/image/uastc_blocks.h"
 
 namespace candela {
@@ -113,6 +114,89 @@ TEST(unit_image_basis, blocks_of_no_meaning_are_magenta) {
     if (shape.patterns == 0) continue;
     test::put_bits(good, shape.pattern_at, shape.pattern_bits, shape.patterns);
     EXPECT_EQ(mode_of(good), -1) << mode;
+  }
+}
+
+TEST(unit_image_basis, levels_and_sizes_that_cannot_be_are_one_error) {
+  const auto error_of = [](const Bytes& bytes) -> std::string {
+    try {
+      decode_texture(bytes, "t");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto changed = [](const char* name, std::size_t at, auto value) {
+    Bytes bytes = test::basis_file(name);
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+    return bytes;
+  };
+  constexpr std::size_t kLevelCount = 40, kWidth = 20, kSchemeGlobal = 64;
+  for (const char* name : test::kBasisFiles) {
+    SCOPED_TRACE(name);
+    for (const std::uint32_t levels : {0x80000000u, 0xffffffffu, 40u})
+      EXPECT_NE(error_of(changed(name, kLevelCount, levels)).find("mip levels"), std::string::npos);
+    for (const std::uint32_t width : {0u, 16385u, 0xffffffffu}) EXPECT_NE(error_of(changed(name, kWidth, width)), "");
+    for (const std::uint64_t offset : {~std::uint64_t{0}, std::uint64_t{1} << 40})
+      EXPECT_NE(error_of(changed(name, 80, offset)), "");
+  }
+  // More endpoints, patterns or bytes of them than the books hold.
+  std::uint64_t global = 0;
+  const Bytes good = test::basis_file("etc1s_alpha.ktx2");
+  std::memcpy(&global, good.data() + kSchemeGlobal, sizeof global);
+  for (const std::size_t field : {0u, 2u})
+    EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + field, std::uint16_t{0xffff})), "");
+  for (const std::size_t field : {4u, 8u, 12u, 16u})
+    EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + field, 0xffffffffu)), "");
+  // Slices that are empty, and slices outside of their level.
+  for (const std::size_t field : {24u, 28u, 32u, 36u})
+    EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + field, 0xfffffff0u)), "");
+  EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + 28, 0u)), "");
+  // A frame of a video.
+  EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + 20, 2u)).find("video is not read"), std::string::npos);
+}
+
+/// Whatever a file says: an Error or pixels, and never more of them than the caller allows.
+void decode_both(std::span<const std::byte> bytes) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 22;
+  test::survives([](std::span<const std::byte> b) { decode_texture_file(b, "t", kMost); }, bytes);
+  test::survives([](std::span<const std::byte> b) { decode_texture_pixels(b, "t", kMost); }, bytes);
+}
+
+/// ASTC is decoded by a library that prepares for some milliseconds.
+std::size_t rounds_of(const Bytes& seed, std::size_t rounds) {
+  return parse_texture_info(seed, "t").block->codec == BlockCodec::astc ? rounds / 20 : rounds;
+}
+
+TEST(unit_image_basis, damage_is_an_error_or_a_texture) {
+  test::XorShift random(1);
+  for (const Bytes& seed : test::block_seeds()) {
+    const auto decode = [](std::span<const std::byte> b) { decode_texture_file(b, "t"); };
+    ASSERT_TRUE(test::survives(decode, seed));
+    for (std::size_t i = 0; i < rounds_of(seed, 200); ++i)
+      EXPECT_FALSE(test::survives(decode, std::span(seed).first(random() % seed.size())));
+    for (std::size_t i = 0; i < rounds_of(seed, 2000); ++i) {
+      Bytes bad = seed;
+      for (std::uint32_t k = 0; k < 1 + random() % 3; ++k)
+        bad[random() % bad.size()] ^= static_cast<std::byte>(1u << random() % 8);
+      decode_both(bad);
+    }
+  }
+}
+
+TEST(unit_image_basis, hostile_words_are_an_error_or_a_texture) {
+  static constexpr std::uint32_t words[] = {0,     1,     2,     3,          6,          163,       166,
+                                            65536, 16384, 16385, 0x7fffffff, 0x80000000, 0xffffffff};
+  test::XorShift random(1);
+  for (const Bytes& seed : test::block_seeds()) {
+    for (std::size_t i = 0; i < rounds_of(seed, 2000); ++i) {
+      Bytes bad = seed;
+      for (std::uint32_t k = 0; k < 1 + random() % 3; ++k) {
+        const std::size_t at = random() % (std::min<std::size_t>(bad.size(), 512) / 4) * 4;
+        std::memcpy(bad.data() + at, &words[random() % std::size(words)], 4);
+      }
+      decode_both(bad);
+    }
   }
 }
 
