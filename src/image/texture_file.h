@@ -80,7 +80,8 @@ TextureFile decode_texture_file(std::span<const std::byte> bytes, const std::str
                                 std::uint64_t max_bytes = std::uint64_t{1} << 31);
 /// The largest image of a 2-D texture as a material has it: 8 bits as stored, still encoded; numbers with a fraction in
 /// 16 bits, clamped to [0, 1]. Throws like decode_texture_file, and for cube maps.
-TextureImage decode_texture_pixels(std::span<const std::byte> bytes, const std::string& where);
+TextureImage decode_texture_pixels(std::span<const std::byte> bytes, const std::string& where,
+                                   std::uint64_t max_bytes = std::uint64_t{1} << 30);
 TextureInfo read_texture_info(const std::filesystem::path& path);
 TextureFile read_texture_file(const std::filesystem::path& path);
 

@@ -60,13 +60,14 @@ ivec2 codec::texture_size(std::span<const std::byte> bytes, const std::string& w
   return {info.width, info.height};
 }
 
-TextureImage decode_texture_pixels(std::span<const std::byte> bytes, const std::string& where) {
+TextureImage decode_texture_pixels(std::span<const std::byte> bytes, const std::string& where,
+                                   std::uint64_t max_bytes) {
   const StoredTexture stored = codec::parse_texture(bytes, where);
   const TextureInfo& info = stored.info;
   check_picture(stored, where);
   // Numbers are decoded as floats first.
   codec::check_pixels(info, static_cast<std::uint64_t>(info.width) * static_cast<std::uint64_t>(info.height),
-                      is_coded(info) ? 4 : 16, codec::kMaxTextureBytes, where);
+                      is_coded(info) ? 4 : 16, max_bytes, where);
   TextureImage image;
   image.width = info.width;
   image.height = info.height;

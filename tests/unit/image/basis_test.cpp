@@ -10,6 +10,8 @@
 #include "image/texture_codec.h"
 #include "unit/image/basis_files.h"
 #include "unit/image/image_util.h"
+#include "unit/image/texture_seeds.h"
+#include "unit/image/uastc_blocks.h"
 
 namespace candela {
 namespace {
@@ -67,65 +69,7 @@ TEST(unit_image_basis, files_of_the_encoder_decode_as_three_decodes_them) {
 
 // ----- all modes of UASTC, by blocks that are random but for what names the mode
 
-constexpr std::size_t kModes = 19, kBlocks = 256;
-struct ModeShape {
-  unsigned bits, length, pattern_at, pattern_bits, patterns, etc2m_at;
-};
-constexpr std::array<ModeShape, kModes> kShapes{{{0x01, 4, 0, 0, 0, 0},
-                                                 {0x35, 6, 0, 0, 0, 0},
-                                                 {0x1d, 5, 20, 5, 30, 0},
-                                                 {0x03, 5, 20, 4, 11, 0},
-                                                 {0x13, 5, 20, 5, 30, 0},
-                                                 {0x0b, 5, 0, 0, 0, 0},
-                                                 {0x1b, 5, 0, 0, 0, 0},
-                                                 {0x07, 5, 20, 5, 19, 0},
-                                                 {0x17, 5, 0, 0, 0, 0},
-                                                 {0x0f, 5, 28, 5, 30, 24},
-                                                 {0x02, 3, 0, 0, 0, 16},
-                                                 {0x00, 2, 0, 0, 0, 15},
-                                                 {0x06, 3, 0, 0, 0, 16},
-                                                 {0x1f, 5, 0, 0, 0, 24},
-                                                 {0x0d, 5, 0, 0, 0, 24},
-                                                 {0x05, 7, 0, 0, 0, 26},
-                                                 {0x15, 6, 29, 5, 30, 25},
-                                                 {0x25, 6, 0, 0, 0, 25},
-                                                 {0x09, 4, 0, 0, 0, 0}}};
-
-void put_bits(std::span<std::byte> block, unsigned at, unsigned count, unsigned value) {
-  for (unsigned i = 0; i < count; ++i, ++at) {
-    const std::byte bit{static_cast<unsigned char>(1u << (at & 7))};
-    block[at / 8] = (block[at / 8] & ~bit) | ((value >> i & 1u) != 0 ? bit : std::byte{0});
-  }
-}
-
-/// xorshift32.
-class Random {
- public:
-  explicit Random(std::uint32_t seed) : state_(seed) {}
-  std::uint32_t operator()() {
-    state_ ^= state_ << 13;
-    state_ ^= state_ >> 17;
-    return state_ ^= state_ << 5;
-  }
-
- private:
-  std::uint32_t state_;
-};
-
-Bytes random_blocks(std::size_t mode) {
-  Random random(static_cast<std::uint32_t>(mode) + 1);
-  const ModeShape& shape = kShapes[mode];
-  Bytes blocks(16 * kBlocks);
-  for (std::size_t i = 0; i < kBlocks; ++i) {
-    const std::span<std::byte> block = std::span(blocks).subspan(16 * i, 16);
-    for (std::byte& b : block) b = static_cast<std::byte>(random() >> 24);
-    put_bits(block, 0, shape.length, shape.bits);
-    const auto number = static_cast<unsigned>(i);
-    if (shape.patterns > 0) put_bits(block, shape.pattern_at, shape.pattern_bits, number % shape.patterns);
-    if (shape.etc2m_at > 0) put_bits(block, shape.etc2m_at, 4, 1 + number % 15);
-  }
-  return blocks;
-}
+constexpr std::size_t kModes = test::kUastcModes, kBlocks = 256;
 
 TEST(unit_image_basis, every_mode_of_uastc_decodes_as_three_decodes_it) {
   std::set<std::string> modes;
@@ -133,7 +77,7 @@ TEST(unit_image_basis, every_mode_of_uastc_decodes_as_three_decodes_it) {
     if (!e.file.starts_with("mode_")) continue;
     SCOPED_TRACE(e.file);
     const std::size_t mode = std::stoul(e.file.substr(5));
-    const Bytes blocks = random_blocks(mode);
+    const Bytes blocks = test::random_uastc(mode, kBlocks);
     std::vector<std::uint8_t> rgba(kBlocks * 16 * 4);
     codec::decode_uastc(blocks, e.width, e.height, UastcRounding::linear, rgba);
     EXPECT_EQ(hash_of(rgba), e.hash);
@@ -156,27 +100,110 @@ TEST(unit_image_basis, blocks_of_no_meaning_are_magenta) {
     return mode;
   };
   Bytes block(16);
-  put_bits(block, 0, 7, 0x45);  // reserved
+  test::put_bits(block, 0, 7, 0x45);  // reserved
   EXPECT_EQ(mode_of(block), -1);
   for (std::size_t mode = 0; mode < kModes; ++mode) {
-    const ModeShape& shape = kShapes[mode];
+    const test::UastcShape& shape = test::kUastcShapes[mode];
     Bytes good(16);
-    put_bits(good, 0, shape.length, shape.bits);
+    test::put_bits(good, 0, shape.length, shape.bits);
     if (shape.etc2m_at > 0) {
       EXPECT_EQ(mode_of(good), -1) << mode;  // ETC2M is 0
-      put_bits(good, shape.etc2m_at, 4, 1);
+      test::put_bits(good, shape.etc2m_at, 4, 1);
     }
     EXPECT_EQ(mode_of(good), static_cast<int>(mode));
     if (shape.patterns == 0) continue;
-    put_bits(good, shape.pattern_at, shape.pattern_bits, shape.patterns);
+    test::put_bits(good, shape.pattern_at, shape.pattern_bits, shape.patterns);
     EXPECT_EQ(mode_of(good), -1) << mode;
+  }
+}
+
+TEST(unit_image_basis, levels_and_sizes_that_cannot_be_are_one_error) {
+  const auto error_of = [](const Bytes& bytes) -> std::string {
+    try {
+      decode_texture(bytes, "t");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto changed = [](const char* name, std::size_t at, auto value) {
+    Bytes bytes = test::basis_file(name);
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+    return bytes;
+  };
+  constexpr std::size_t kLevelCount = 40, kWidth = 20, kSchemeGlobal = 64;
+  for (const char* name : test::kBasisFiles) {
+    SCOPED_TRACE(name);
+    for (const std::uint32_t levels : {0x80000000u, 0xffffffffu, 40u})
+      EXPECT_NE(error_of(changed(name, kLevelCount, levels)).find("mip levels"), std::string::npos);
+    for (const std::uint32_t width : {0u, 16385u, 0xffffffffu}) EXPECT_NE(error_of(changed(name, kWidth, width)), "");
+    for (const std::uint64_t offset : {~std::uint64_t{0}, std::uint64_t{1} << 40})
+      EXPECT_NE(error_of(changed(name, 80, offset)), "");
+  }
+  // More endpoints, patterns or bytes of them than the books hold.
+  std::uint64_t global = 0;
+  const Bytes good = test::basis_file("etc1s_alpha.ktx2");
+  std::memcpy(&global, good.data() + kSchemeGlobal, sizeof global);
+  for (const std::size_t field : {0u, 2u})
+    EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + field, std::uint16_t{0xffff})), "");
+  for (const std::size_t field : {4u, 8u, 12u, 16u})
+    EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + field, 0xffffffffu)), "");
+  // Slices that are empty, and slices outside of their level.
+  for (const std::size_t field : {24u, 28u, 32u, 36u})
+    EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + field, 0xfffffff0u)), "");
+  EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + 28, 0u)), "");
+  // A frame of a video.
+  EXPECT_NE(error_of(changed("etc1s_alpha.ktx2", global + 20, 2u)).find("video is not read"), std::string::npos);
+}
+
+/// Whatever a file says: an Error or pixels, and never more of them than the caller allows.
+void decode_both(std::span<const std::byte> bytes) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 22;
+  test::survives([](std::span<const std::byte> b) { decode_texture_file(b, "t", kMost); }, bytes);
+  test::survives([](std::span<const std::byte> b) { decode_texture_pixels(b, "t", kMost); }, bytes);
+}
+
+/// ASTC is decoded by a library that prepares for some milliseconds.
+std::size_t rounds_of(const Bytes& seed, std::size_t rounds) {
+  return parse_texture_info(seed, "t").block->codec == BlockCodec::astc ? rounds / 20 : rounds;
+}
+
+TEST(unit_image_basis, damage_is_an_error_or_a_texture) {
+  test::XorShift random(1);
+  for (const Bytes& seed : test::block_seeds()) {
+    const auto decode = [](std::span<const std::byte> b) { decode_texture_file(b, "t"); };
+    ASSERT_TRUE(test::survives(decode, seed));
+    for (std::size_t i = 0; i < rounds_of(seed, 200); ++i)
+      EXPECT_FALSE(test::survives(decode, std::span(seed).first(random() % seed.size())));
+    for (std::size_t i = 0; i < rounds_of(seed, 2000); ++i) {
+      Bytes bad = seed;
+      for (std::uint32_t k = 0; k < 1 + random() % 3; ++k)
+        bad[random() % bad.size()] ^= static_cast<std::byte>(1u << random() % 8);
+      decode_both(bad);
+    }
+  }
+}
+
+TEST(unit_image_basis, hostile_words_are_an_error_or_a_texture) {
+  static constexpr std::uint32_t words[] = {0,     1,     2,     3,          6,          163,       166,
+                                            65536, 16384, 16385, 0x7fffffff, 0x80000000, 0xffffffff};
+  test::XorShift random(1);
+  for (const Bytes& seed : test::block_seeds()) {
+    for (std::size_t i = 0; i < rounds_of(seed, 2000); ++i) {
+      Bytes bad = seed;
+      for (std::uint32_t k = 0; k < 1 + random() % 3; ++k) {
+        const std::size_t at = random() % (std::min<std::size_t>(bad.size(), 512) / 4) * 4;
+        std::memcpy(bad.data() + at, &words[random() % std::size(words)], 4);
+      }
+      decode_both(bad);
+    }
   }
 }
 
 TEST(unit_image_basis, srgb_rounds_by_one_code_at_most) {
   std::uint64_t different = 0;
   for (std::size_t mode = 0; mode < kModes; ++mode) {
-    const Bytes blocks = random_blocks(mode);
+    const Bytes blocks = test::random_uastc(mode, kBlocks);
     std::vector<std::uint8_t> linear(kBlocks * 64), srgb(kBlocks * 64);
     codec::decode_uastc(blocks, kBlocks * 4, 4, UastcRounding::linear, linear);
     codec::decode_uastc(blocks, kBlocks * 4, 4, UastcRounding::srgb, srgb);
