@@ -114,11 +114,6 @@ Camera read_camera(const JsonView& json) {
 /// What one node shows: a mesh of the file with its weights, and, where skinned, the node whose skin moves it.
 using MeshKey = std::tuple<std::size_t, std::vector<float>, std::optional<std::size_t>>;
 
-std::vector<float> read_weights(const JsonView& owner) {
-  const auto weights = owner.find("weights");
-  return weights ? weights->reals(weights->size()) : std::vector<float>();
-}
-
 /// A mesh, and what the materials of its primitives wanted when it was read.
 struct KeptMesh {
   Mesh mesh;

@@ -39,26 +39,32 @@ std::vector<float> read_times(const JsonView& reference, AccessorReader& reader)
 }
 
 /// How values of a type stand in an accessor; KHR_animation_pointer, "Output Accessor Type".
-const char* accessor_type(PropertyType type) {
+struct Shape {
+  const char* accessor;
+  std::size_t width;  ///< numbers of a value; 0 for as many as there are
+};
+
+Shape shape_of(PropertyType type) {
   switch (type) {
     case PropertyType::boolean:
     case PropertyType::number:
+      return {"SCALAR", 1};
     case PropertyType::numbers:
-      return "SCALAR";
+      return {"SCALAR", 0};
     case PropertyType::vec2:
-      return "VEC2";
+      return {"VEC2", 2};
     case PropertyType::vec3:
-      return "VEC3";
+      return {"VEC3", 3};
     case PropertyType::vec4:
     case PropertyType::rotation:
-      return "VEC4";
+      return {"VEC4", 4};
   }
-  return "SCALAR";
+  return {"SCALAR", 1};
 }
 
 /// Every value as floats, one after the other.
 std::vector<float> read_values(const JsonView& reference, PropertyType type, AccessorReader& reader) {
-  const Accessor accessor = reader.open(reference, {accessor_type(type)});
+  const Accessor accessor = reader.open(reference, {shape_of(type).accessor});
   if (type == PropertyType::boolean && accessor.component_type != kU8) {
     throw reference.error("true and false must be stored as unsigned bytes");
   }
@@ -160,25 +166,6 @@ void move(FileNode& node, const std::string& path, const std::vector<float>& v) 
   }
 }
 
-/// Numbers of a value; 0 for as many as there are.
-std::size_t width_of(PropertyType type) {
-  switch (type) {
-    case PropertyType::numbers:
-      return 0;
-    case PropertyType::boolean:
-    case PropertyType::number:
-      return 1;
-    case PropertyType::vec2:
-      return 2;
-    case PropertyType::vec3:
-      return 3;
-    case PropertyType::vec4:
-    case PropertyType::rotation:
-      return 4;
-  }
-  return 1;
-}
-
 std::optional<PropertyType> type_of(const std::string& path) {
   if (path == "translation" || path == "scale") return PropertyType::vec3;
   if (path == "rotation") return PropertyType::rotation;
@@ -223,9 +210,7 @@ std::vector<AnimationInfo> read_animation_list(const JsonView& root) {
     const auto channels = json.find("channels");
     if (channels) info.channels = static_cast<int>(channels->size());
     for (std::size_t k = 0; channels && k < channels->size(); ++k) {
-      const auto target = (*channels)[k].find("target");
-      const auto extension = target ? target->extension("KHR_animation_pointer") : std::nullopt;
-      if (extension) info.pointers.push_back(extension->at("pointer").string());
+      if (const auto moved = pointer_extension((*channels)[k])) info.pointers.push_back(moved->at("pointer").string());
     }
     const auto samplers = json.find("samplers");
     for (std::size_t k = 0; samplers && k < samplers->size(); ++k) {
@@ -291,7 +276,7 @@ AnimatedMoment::AnimatedMoment(const JsonView& root, const nlohmann::json& docum
     if (!target) continue;
     const JsonView sampler = samplers[channels[i].at("sampler").index(samplers.size(), "sampler")];
     const Sampler values(sampler, target->type, reader);
-    const std::size_t expected = width_of(target->type);
+    const std::size_t expected = shape_of(target->type).width;
     if (expected > 0 && values.width() != expected) {
       throw sampler.at("output").error(
           fmt::format("{} numbers for each key of a {}", values.width(), target->tokens.back()));
@@ -308,12 +293,8 @@ void AnimatedMoment::move_properties(MovedDocument& document) const {
 
 /// One for each morph target, of the node, else of its mesh, else 0.
 std::vector<float> AnimatedMoment::rest_weights(const FileNode& node, std::size_t index) const {
-  const auto read = [](const JsonView& owner) {
-    const auto weights = owner.find("weights");
-    return weights ? weights->reals(weights->size()) : std::vector<float>();
-  };
-  std::vector<float> weights = read(root_.at("nodes")[index]);
-  if (weights.empty() && node.mesh) weights = read(root_.at("meshes")[*node.mesh]);
+  std::vector<float> weights = read_weights(root_.at("nodes")[index]);
+  if (weights.empty() && node.mesh) weights = read_weights(root_.at("meshes")[*node.mesh]);
   return weights;
 }
 

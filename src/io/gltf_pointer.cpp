@@ -250,6 +250,11 @@ std::string Target::pointer() const { return join(tokens, tokens.size()); }
 
 std::size_t Target::index(std::size_t token) const { return index_of(tokens[token]).value(); }
 
+std::optional<JsonView> pointer_extension(const JsonView& channel) {
+  const auto target = channel.find("target");
+  return target ? target->extension("KHR_animation_pointer") : std::nullopt;
+}
+
 std::optional<Target> find_property(const json& root, const JsonView& pointer, Warnings& warnings) {
   const std::string text = pointer.string().substr(0, kLongestPointer);
   auto tokens = split_pointer(pointer.string());

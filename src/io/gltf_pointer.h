@@ -30,6 +30,9 @@ struct Target {
   std::size_t index(std::size_t token) const;
 };
 
+/// The extension of a channel's target, where it has one.
+std::optional<JsonView> pointer_extension(const JsonView& channel);
+
 /// The property that the JSON string `pointer` names. Throws Error where it names nothing: what an element, an object
 /// or a value without default is missing for. None, with a warning or note, for what stands in the file and is not
 /// drawn, or may not be moved.
