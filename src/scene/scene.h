@@ -277,7 +277,7 @@ struct Node {
   int camera = -1;
   int light = -1;
   int file_index = -1;
-  vec4 color{1.0f};  ///< linear RGBA within 0 … 1, multiplies the base colour of its mesh as vertex colours do
+  vec4 color{1.0f};        ///< linear RGBA within 0 … 1, multiplies the base colour of its mesh as vertex colours do
   bool is_hidden = false;  ///< KHR_node_visibility: holds neither mesh nor light, whatever the file's node does
 };
 
