@@ -406,7 +406,7 @@ class TextureFiles(CheckTest):
         asset.quad(asset.material(material))
         return asset
 
-    def test_what_glTF_asks_for_is_clean(self):
+    def test_what_gltf_asks_for_is_clean(self):
         self.clean(self.asset("baseColorTexture", ktx2()))
         data = ktx2(color=(255, 150, 0), transfer=1, primaries=0)
         self.clean(self.asset("metallicRoughnessTexture", data))
