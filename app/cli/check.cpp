@@ -19,6 +19,7 @@
 #include "cli/progress.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "io/foreign_scene.h"
 #include "io/gltf.h"
 #include "io/gltf_survey.h"
 
@@ -161,11 +162,12 @@ std::vector<std::string> scenes_below(const fs::path& folder) {
   for (; !code && at != fs::recursive_directory_iterator(); at.increment(code)) {
     std::error_code ignored;
     const fs::path& path = at->path();
-    const bool is_scene = has_extension(path, ".gltf") || has_extension(path, ".glb");
+    const bool is_scene =
+        has_extension(path, ".gltf") || has_extension(path, ".glb") || io::has_foreign_extension(path);
     if (is_scene && at->is_regular_file(ignored)) result.push_back(path.string());
   }
   if (code) throw Error("cannot list the folder: " + code.message(), folder.string());
-  if (result.empty()) throw Error("there is no .gltf or .glb in this folder", folder.string());
+  if (result.empty()) throw Error("there is no scene in this folder", folder.string());
   std::sort(result.begin(), result.end());
   return result;
 }
@@ -345,7 +347,9 @@ Verb add_check(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* verb =
       app.add_subcommand("check", "Judge materials, textures and meshes as a physicist would")->group("Verbs");
-  verb->add_option("SCENE", options->names, "Files (.glb, .gltf), folders to search for them, or demo:NAME")
+  verb->add_option(
+          "SCENE", options->names,
+          "Files (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf), folders to search for them, or demo:NAME")
       ->required()
       ->type_name("");
   verb->add_flag("--json", options->json, "For a machine: one JSON object, with the measured numbers");

@@ -93,6 +93,7 @@ void describe_extensions(const io::FileInfo& file, Json& json, Table& table) {
 
 /// What the scene does not keep.
 void describe_file(const io::FileInfo& file, Json& json, Table& table) {
+  json["format"] = file.format;
   json["bytes"] = file.file_bytes;
   json["generator"] = file.generator;
   json["copyright"] = file.copyright;
@@ -116,6 +117,7 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
                                      animation.channels, animation.channels == 1 ? "channel" : "channels"));
   }
   json["skins"] = file.skins;
+  table.row("format", file.format);
   table.row("file size", bytes_text(file.file_bytes));
   if (!file.generator.empty()) table.row("generator", file.generator);
   if (!file.copyright.empty()) table.row("copyright", file.copyright);
@@ -235,9 +237,9 @@ Verb add_info(CLI::App& app) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("info", "Say what a scene, an image or a texture file holds")->group("Verbs");
-  verb->add_option(
-          "FILE", options->file,
-          "A .glb or .gltf, a demo:NAME, an .exr (:LAYER), .hdr, .png or .jpg image, or a .ktx2, .ktx or .dds texture")
+  verb->add_option("FILE", options->file,
+                   "A scene (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf), a demo:NAME, an .exr (:LAYER), "
+                   ".hdr, .png or .jpg image, or a .ktx2, .ktx or .dds texture")
       ->required()
       ->type_name("");
   verb->add_flag("--json", options->json, "For a machine: one JSON object");

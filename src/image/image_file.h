@@ -26,6 +26,9 @@ ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where
 /// data or sizes above 16384.
 TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where);
 
+/// A PNG of 8 bits per channel, which says nothing of how they are encoded.
+std::vector<std::byte> encode_png(const TextureImage& image);
+
 /// How a picture of light from everywhere covers the directions, where the file itself says so (OpenEXR's `envmap`).
 enum class Projection { unsaid, latlong, cube };
 

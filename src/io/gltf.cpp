@@ -16,6 +16,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "io/foreign_scene.h"
 #include "io/gltf_animation.h"
 #include "io/gltf_extensions.h"
 #include "io/gltf_files.h"
@@ -523,11 +524,15 @@ GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, st
   if (info) *info = parts_->info;
 }
 
-GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info)
-    : GltfFile(read_file(path), folder_of(path), path.string(), diagnostics, std::move(options), info) {
+GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info) {
+  GltfSource source = read_as_gltf(path, diagnostics);
+  parts_ =
+      std::make_unique<Parts>(std::move(source.bytes), folder_of(path), path.string(), diagnostics, std::move(options));
   parts_->scene_name = path.stem().string();
-  parts_->info.files.insert(parts_->info.files.begin(), {path, ""});
-  if (info) info->files = parts_->info.files;
+  parts_->info.format = source.format;
+  parts_->info.file_bytes = source.file_bytes;
+  add_files(parts_->info.files, path, source);
+  if (info) *info = parts_->info;
 }
 
 GltfFile::~GltfFile() = default;

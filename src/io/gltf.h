@@ -46,6 +46,7 @@ struct ReferencedFile {
 
 /// What a file says about itself and the scene does not keep.
 struct FileInfo {
+  std::string format = "glTF";  ///< what the file is: the others are read as the glTF that is made of them
   std::string generator;
   std::string version;
   std::string copyright;
@@ -65,7 +66,7 @@ struct FileInfo {
 /// FileInfo::files without reading more than the document. Throws Error where it is none.
 std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path);
 
-/// Loads a .gltf or .glb. Every number is checked before it is used; on bad input throws Error whose `where` is the
+/// Loads a .gltf or .glb, or a file of another format, told apart by content (foreign/formats.h). Every number is checked before it is used; on bad input throws Error whose `where` is the
 /// file and, where there is one, the JSON pointer. An unknown required extension is an Error that names it; unknown
 /// optional ones and recoverable oddities go to `diagnostics`, as notes where they change no pixel. The result passes
 /// validate().

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/file.h"
+#include "io/foreign_scene.h"
 #include "io/gltf_document.h"
 
 namespace candela::io {
@@ -73,13 +73,19 @@ std::vector<ReferencedFile> referenced_files(const Json& root, const UriReader& 
   return found;
 }
 
+void add_files(std::vector<ReferencedFile>& files, const fs::path& path, const GltfSource& source) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  files.insert(files.begin(), {path, ""});
+  for (const std::string& name : source.read) files.push_back({folder / name, ": " + name});
+}
+
 std::vector<ReferencedFile> files_of_gltf(const fs::path& path) {
-  const std::vector<std::byte> bytes = read_file(path);
   Diagnostics ignored;
-  const GltfDocument document(bytes, path.string(), ignored);
+  const GltfSource source = read_as_gltf(path, ignored);
+  const GltfDocument document(source.bytes, path.string(), ignored);
   const UriReader uris(path.has_parent_path() ? path.parent_path() : fs::path("."));
   std::vector<ReferencedFile> files = referenced_files(document.json(), uris);
-  files.insert(files.begin(), {path, ""});
+  add_files(files, path, source);
   return files;
 }
 

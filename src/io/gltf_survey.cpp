@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
-#include "base/file.h"
 #include "base/parallel.h"
 #include "image/image_file.h"
+#include "io/foreign_scene.h"
 #include "io/gltf_material.h"
 #include "io/gltf_material_reader.h"
 #include "io/gltf_mesh.h"
@@ -262,7 +262,8 @@ FileSurvey survey(std::span<const std::byte> bytes, const fs::path& base_folder,
 }  // namespace
 
 FileSurvey survey_gltf(const fs::path& path, const SurveyOptions& options) {
-  const std::vector<std::byte> bytes = read_file(path);
+  Diagnostics ignored;
+  const std::vector<std::byte> bytes = read_as_gltf(path, ignored).bytes;
   return survey(bytes, path.has_parent_path() ? path.parent_path() : fs::path("."), path.string(), options);
 }
 
