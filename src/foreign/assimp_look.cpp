@@ -1,7 +1,10 @@
 #include "foreign/assimp_look.h"
 
+#include <assimp/commonMetaData.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace candela::foreign {
 
@@ -73,6 +76,13 @@ void read_maps(const aiScene& scene, const aiMaterial& material, Look& look) {
   }
 }
 
+/// Blender keeps metalness where Phong has the share of a mirror.
+bool is_by_blender(const aiScene& scene) {
+  aiString generator;
+  return scene.mMetaData != nullptr && scene.mMetaData->Get(AI_METADATA_SOURCE_GENERATOR, generator) &&
+         std::string_view(generator.C_Str()).starts_with("Blender");
+}
+
 }  // namespace
 
 Look plain_look(bool has_colors) {
@@ -100,6 +110,7 @@ Look look_of(const aiScene& scene, const aiMaterial& material, Format format) {
     look.specular = *look.specular * std::max(*strength, 0.0f);
   }
   look.shininess = number(material, AI_MATKEY_SHININESS);
+  if (is_by_blender(scene) && !look.metallic) look.metallic = number(material, AI_MATKEY_REFLECTIVITY);
   look.ior = number(material, AI_MATKEY_REFRACTI);
   look.emission = color(material, AI_MATKEY_COLOR_EMISSIVE).value_or(vec3(0.0f));
   if (const auto strength = number(material, AI_MATKEY_EMISSIVE_INTENSITY)) look.emission *= *strength;

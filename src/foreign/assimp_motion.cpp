@@ -51,9 +51,7 @@ double first_time(const aiAnimation& animation) {
   return std::isfinite(first) ? first : 0.0;
 }
 
-void add_channel(Draft& draft, Json& animation, std::size_t node, const char* path, std::size_t input,
-                 std::size_t output) {
-  (void)draft;
+void add_channel(Json& animation, std::size_t node, const char* path, std::size_t input, std::size_t output) {
   animation["samplers"].push_back({{"input", input}, {"output", output}});
   animation["channels"].push_back(
       {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
@@ -133,8 +131,8 @@ void SceneWriter::write_channels(const aiNodeAnim& channel, double ticks_per_sec
     if (kept.empty()) return;
     std::vector<vec3> values;
     for (const aiVectorKey* key : kept) values.emplace_back(key->mValue.x, key->mValue.y, key->mValue.z);
-    const std::size_t input = draft_.add_floats(seconds(kept, ticks_per_second, start));
-    add_channel(draft_, animation, moved, path, input, draft_.add_vectors(std::span<const vec3>(values)));
+    const std::size_t input = draft_.add_times(seconds(kept, ticks_per_second, start));
+    add_channel(animation, moved, path, input, draft_.add_vectors(std::span<const vec3>(values)));
   };
   add_vectors(channel.mPositionKeys, channel.mNumPositionKeys, "translation");
   add_vectors(channel.mScalingKeys, channel.mNumScalingKeys, "scale");
@@ -146,8 +144,8 @@ void SceneWriter::write_channels(const aiNodeAnim& channel, double ticks_per_sec
     q.Normalize();
     values.emplace_back(q.x, q.y, q.z, q.w);
   }
-  const std::size_t input = draft_.add_floats(seconds(kept, ticks_per_second, start));
-  add_channel(draft_, animation, moved, "rotation", input, draft_.add_vectors(std::span<const vec4>(values)));
+  const std::size_t input = draft_.add_times(seconds(kept, ticks_per_second, start));
+  add_channel(animation, moved, "rotation", input, draft_.add_vectors(std::span<const vec4>(values)));
 }
 
 void SceneWriter::write_weights(const aiMeshMorphAnim& channel, double ticks_per_second, double start,
@@ -168,8 +166,8 @@ void SceneWriter::write_weights(const aiMeshMorphAnim& channel, double ticks_per
         if (target < targets) weights[k * targets + target] = static_cast<float>(kept[k]->mWeights[i]);
       }
     }
-    const std::size_t input = draft_.add_floats(seconds(kept, ticks_per_second, start));
-    add_channel(draft_, animation, node, "weights", input, draft_.add_floats(weights));
+    const std::size_t input = draft_.add_times(seconds(kept, ticks_per_second, start));
+    add_channel(animation, node, "weights", input, draft_.add_floats(weights));
   }
 }
 

@@ -7,15 +7,19 @@
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
+#include <charconv>
+#include <optional>
 #include <string_view>
 
 #include "base/error.h"
 #include "foreign/assimp_files.h"
 #include "foreign/assimp_look.h"
 #include "foreign/assimp_scene.h"
+#include "foreign/collada.h"
 #include "foreign/material_writer.h"
 #include "foreign/mtl.h"
 #include "foreign/units.h"
+#include "image/image_file.h"
 
 namespace candela::foreign {
 
@@ -60,15 +64,28 @@ std::string mime_type(std::span<const std::byte> bytes) {
   return "image/png";
 }
 
-/// A texture that stands in the file: the bytes of a picture, or plain texels, which are kept for a mixture to encode.
-Json embedded_picture(const aiScene& scene, const std::string& name, Draft& draft) {
-  const auto index = static_cast<unsigned>(std::max(std::atoi(name.c_str() + 1), 0));
-  if (index >= scene.mNumTextures) throw Error(fmt::format("there is no texture {}", name));
-  const aiTexture& texture = *scene.mTextures[index];
-  const bool is_packed = texture.mHeight == 0;
-  if (!is_packed) throw Error(fmt::format("texture {} holds plain texels, which are not read", name));
-  const auto bytes = std::as_bytes(std::span(reinterpret_cast<const char*>(texture.pcData), texture.mWidth));
-  return {{"bufferView", draft.add_view(bytes)}, {"mimeType", mime_type(bytes)}};
+/// The number of a texture that stands in the file itself; empty of other names.
+std::optional<unsigned> embedded_index(const aiScene& scene, std::string_view name) {
+  unsigned index = 0;
+  if (!name.starts_with('*')) return std::nullopt;
+  const auto [end, error] = std::from_chars(name.data() + 1, name.data() + name.size(), index);
+  if (error != std::errc() || end != name.data() + name.size() || index >= scene.mNumTextures) return std::nullopt;
+  return index;
+}
+
+/// A texture that stands in the file: the bytes of a picture, or plain texels.
+Json embedded_picture(const aiTexture& texture, Draft& draft) {
+  if (texture.mHeight == 0) {
+    const auto bytes = std::as_bytes(std::span(reinterpret_cast<const char*>(texture.pcData), texture.mWidth));
+    return {{"bufferView", draft.add_view(bytes)}, {"mimeType", mime_type(bytes)}};
+  }
+  TextureImage image{static_cast<int>(texture.mWidth), static_cast<int>(texture.mHeight), 8, true, {}};
+  const std::size_t count = std::size_t{texture.mWidth} * texture.mHeight;
+  image.pixels.reserve(count * 4);
+  for (const aiTexel& texel : std::span(texture.pcData, count)) {
+    image.pixels.insert(image.pixels.end(), {texel.r, texel.g, texel.b, texel.a});
+  }
+  return {{"bufferView", draft.add_view(encode_png(image))}, {"mimeType", "image/png"}};
 }
 
 /// Makes the materials, and knows which one a mesh has.
@@ -76,7 +93,8 @@ class Materials {
  public:
   Materials(const aiScene& scene, Draft& draft, const Surroundings& around, Format format)
       : scene_(scene), draft_(draft), around_(around), format_(format), writer_(draft, [this](const std::string& file) {
-          if (file.starts_with('*')) return embedded_picture(scene_, file, draft_);
+          if (const auto index = embedded_index(scene_, file))
+            return embedded_picture(*scene_.mTextures[*index], draft_);
           const std::string name = find_reference(around_, file);
           return Json{{"uri", uri_of(name)}, {"name", name}};
         }) {}
@@ -159,8 +177,11 @@ Draft read_with_assimp(std::span<const std::byte> bytes, Format format, const Su
   Draft draft;
   draft.gltf["asset"]["generator"] = fmt::format("read from {}", format_name(format));
   const std::string main_name = "candela-scene" + std::string(extension_of(format));
+  std::vector<std::byte> named;
+  if (format == Format::collada) named = with_names(bytes);
   Assimp::Importer importer;
-  auto* const files = new AssimpFiles(main_name, bytes, around);  // the importer owns it from here on
+  auto* const files =
+      new AssimpFiles(main_name, named.empty() ? bytes : named, around);  // the importer owns it from here on
   importer.SetIOHandler(files);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   const aiScene* scene = importer.ReadFile(main_name, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);

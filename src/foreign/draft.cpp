@@ -17,6 +17,13 @@ std::size_t Draft::add_view(std::span<const std::byte> bytes) {
   return add("bufferViews", {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}});
 }
 
+std::size_t Draft::add_times(std::span<const float> v) {
+  const std::size_t accessor = add_floats(v);
+  gltf["accessors"][accessor]["min"] = {v.front()};
+  gltf["accessors"][accessor]["max"] = {v.back()};
+  return accessor;
+}
+
 std::size_t Draft::add(const char* list, Json value) {
   gltf[list].push_back(std::move(value));
   return gltf[list].size() - 1;

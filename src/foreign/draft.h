@@ -32,6 +32,8 @@ struct Draft {
                {{"bufferView", view}, {"componentType", component_type}, {"count", values.size()}, {"type", type}});
   }
   std::size_t add_floats(std::span<const float> v) { return add_accessor(v, "SCALAR", kFloat); }
+  /// Rising moments of an animation.
+  std::size_t add_times(std::span<const float> v);
   std::size_t add_vectors(std::span<const vec2> v) { return add_accessor(v, "VEC2", kFloat); }
   std::size_t add_vectors(std::span<const vec3> v) { return add_accessor(v, "VEC3", kFloat); }
   std::size_t add_vectors(std::span<const vec4> v) { return add_accessor(v, "VEC4", kFloat); }
