@@ -104,6 +104,7 @@ Look look_of(const aiScene& scene, const aiMaterial& material, Format format) {
   look.color = look.color_map ? vec3(1.0f) : base.value_or(diffuse.value_or(look.color));
   int model = aiShadingMode_Phong;
   material.Get(AI_MATKEY_SHADING_MODEL, model);
+  // Assimp writes Gouraud for what files call Lambert.
   const bool has_mirror = model != aiShadingMode_Gouraud && model != aiShadingMode_Flat;
   look.specular = has_mirror ? color(material, AI_MATKEY_COLOR_SPECULAR) : vec3(0.0f);
   if (const auto strength = number(material, AI_MATKEY_SHININESS_STRENGTH); strength && look.specular && has_mirror) {
@@ -123,6 +124,8 @@ Look look_of(const aiScene& scene, const aiMaterial& material, Format format) {
     look.opacity = 1.0f;
     look.unused.emplace_back("an opacity of 0");
   }
+  // Of a Lambert surface Assimp makes a roughness all the same.
+  if (!has_mirror && !base && !look.metallic) look.roughness.reset();
   if (format == Format::three_mf) look.roughness = plain_look(false).roughness;
   list_unused(material, look);
   return look;

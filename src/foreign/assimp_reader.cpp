@@ -16,6 +16,7 @@
 #include "foreign/assimp_look.h"
 #include "foreign/assimp_scene.h"
 #include "foreign/collada.h"
+#include "foreign/guard.h"
 #include "foreign/material_writer.h"
 #include "foreign/mtl.h"
 #include "foreign/units.h"
@@ -120,8 +121,8 @@ int Materials::add(const aiMesh& mesh, const std::vector<Look>& library) {
       std::find_if(library.begin(), library.end(), [&](const Look& look) { return look.name == name; });
   const bool is_plain =
       defined == library.end() &&
-      (name.empty() || name == AI_DEFAULT_MATERIAL_NAME || format_ == Format::obj || format_ == Format::stl ||
-       (format_ == Format::ply && material.GetTextureCount(aiTextureType_DIFFUSE) == 0));
+      (name.empty() || name == AI_DEFAULT_MATERIAL_NAME || name == "%%%DEFAULT" || format_ == Format::obj ||
+       format_ == Format::stl || (format_ == Format::ply && material.GetTextureCount(aiTextureType_DIFFUSE) == 0));
   const auto [found, is_new] = known_.try_emplace({mesh.mMaterialIndex, is_plain && has_colors}, -1);
   if (!is_new) return found->second;
   Look look = is_plain                   ? plain_look(has_colors)
@@ -192,7 +193,7 @@ Draft read_with_assimp(std::span<const std::byte> bytes, Format format, const Su
     library = read_libraries({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, around, draft);
   }
   Materials materials(*scene, draft, around, format);
-  SceneWriter writer(*scene, draft, materials.of_meshes(library), units);
+  SceneWriter writer(*scene, draft, materials.of_meshes(library), units, has_trusted_normals(bytes, format));
   writer.write(stem);
   if (!units.are_known) {
     draft.diagnostics.note(

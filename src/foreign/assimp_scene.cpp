@@ -144,7 +144,7 @@ Json SceneWriter::primitive(unsigned index) {
   Json attributes;
   std::transform(mesh.mVertices, mesh.mVertices + count, vectors.begin(), vector_of);
   attributes["POSITION"] = draft_.add_vectors(std::span<const vec3>(vectors));
-  if (mesh.mNormals != nullptr) {
+  if (has_normals_ && mesh.mNormals != nullptr) {
     std::transform(mesh.mNormals, mesh.mNormals + count, vectors.begin(), vector_of);
     attributes["NORMAL"] = draft_.add_vectors(std::span<const vec3>(vectors));
   }

@@ -17,9 +17,14 @@ namespace candela::foreign {
 /// Turns what Assimp read into a glTF: nodes, meshes, skins, morph targets, cameras and lights.
 class SceneWriter {
  public:
-  /// `material` gives the glTF material of a mesh, -1 = none.
-  SceneWriter(const aiScene& scene, Draft& draft, std::vector<int> material_of_mesh, Units units)
-      : scene_(scene), draft_(draft), material_of_mesh_(std::move(material_of_mesh)), units_(units) {}
+  /// `material` gives the glTF material of a mesh, -1 = none; without
+  /// `has_normals` those of the file are not believed, and faces are flat.
+  SceneWriter(const aiScene& scene, Draft& draft, std::vector<int> material_of_mesh, Units units, bool has_normals)
+      : scene_(scene),
+        draft_(draft),
+        material_of_mesh_(std::move(material_of_mesh)),
+        units_(units),
+        has_normals_(has_normals) {}
 
   /// Everything; the file's root is called `root_name`.
   void write(const std::string& root_name);
@@ -46,6 +51,7 @@ class SceneWriter {
   Draft& draft_;
   std::vector<int> material_of_mesh_;
   Units units_;
+  bool has_normals_;
   std::map<std::string, std::size_t> node_of_name_;
   std::set<std::string> animated_;  ///< names of nodes
   std::map<std::vector<unsigned>, int> meshes_;

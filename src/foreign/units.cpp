@@ -38,10 +38,10 @@ mat4 scaled(float scale, vec3 x, vec3 y, vec3 z) {
 }
 
 Units units_of_fbx(const aiScene& scene) {
-  constexpr double kCentimetre = 0.01;
+  constexpr float kCentimetre = 0.01f;
   Units units;
-  const double factor = metadata<double>(scene, "UnitScaleFactor", 1.0);
-  if (factor > 0.0 && std::isfinite(factor)) units.metres_per_unit = static_cast<float>(factor * kCentimetre);
+  const float factor = metadata<float>(scene, "UnitScaleFactor", 1.0f);
+  if (factor > 0.0f && std::isfinite(factor)) units.metres_per_unit = factor * kCentimetre;
   vec3 x = axis(scene, "CoordAxis", 0), y = axis(scene, "UpAxis", 1), z = axis(scene, "FrontAxis", 2);
   const float handedness = glm::dot(glm::cross(x, y), z);
   if (handedness == 0.0f) {
