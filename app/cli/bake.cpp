@@ -229,8 +229,8 @@ void add_rest(CLI::App* verb, BakeOptions& o) {
 /// A panorama of a file.
 Environment make_panorama(Image image, const std::string& path, std::vector<Diagnostic>& warnings) {
   check_panorama(image, path);
-  const ImageFormat format = sniff_image_format(read_head(parse_image_name(path).path, 16));
-  if (format == ImageFormat::png || format == ImageFormat::jpeg) {
+  const ImageFormat format = sniff_image_format(read_head(parse_image_name(path).path, kSniffedBytes));
+  if (is_display_format(format)) {
     warnings.push_back(
         {"8 or 16 bits per channel end at white: what is brighter, the sun above all, is missing", path});
   }

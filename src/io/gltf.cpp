@@ -257,6 +257,7 @@ void Loader::read_meshes_and_images(Kept* kept) {
   const std::size_t image_count = materials_.images.size();
   scene_.images.resize(image_count);
   std::vector<std::optional<Error>> lost(image_count);
+  std::vector<std::string> odd(image_count);
   std::exception_ptr error;
   std::atomic<std::uint64_t> texels = 0;
   const auto read_meshes = [&] {
@@ -289,7 +290,8 @@ void Loader::read_meshes_and_images(Kept* kept) {
         scene_.images[task - 1] = kept->images[task - 1];
       } else {
         try {
-          scene_.images[task - 1] = load_image(materials_.images[task - 1], uris_, options_.decode_images, texels);
+          scene_.images[task - 1] =
+              load_image(materials_.images[task - 1], uris_, options_.decode_images, texels, odd[task - 1]);
         } catch (const Error& cause) {
           lost[task - 1] = cause;
         }
@@ -304,6 +306,7 @@ void Loader::read_meshes_and_images(Kept* kept) {
     drop_image(static_cast<int>(image), scene_.textures, scene_.materials);
   }
   for (std::size_t i = 0; i < image_count; ++i) {
+    if (!odd[i].empty()) warnings_.warn(odd[i], materials_.images[i].label);
     if (!lost[i]) continue;
     lose_image(i, *lost[i]);
     if (kept != nullptr) kept->lost_images.push_back(i);

@@ -19,6 +19,8 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "EXT_mesh_gpu_instancing",
     "EXT_mesh_primitive_restart",
     "EXT_meshopt_compression",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
     "KHR_accessor_float16",
     "KHR_accessor_float64",
     "KHR_draco_mesh_compression",
@@ -54,8 +56,6 @@ constexpr auto kUnseen = std::to_array<std::string_view>({
     "EXT_mesh_features",
     "EXT_mesh_manifold",
     "EXT_structural_metadata",
-    "EXT_texture_avif",
-    "EXT_texture_webp",
     "FB_",
     "KHR_audio",
     "KHR_audio_",
@@ -84,9 +84,9 @@ constexpr auto kUnseen = std::to_array<std::string_view>({
     "VRMC_vrm",
     "VRMC_vrm_animation",
 });
-/// Of them, images in another form: unseen where the file has them as PNG or JPEG too, needed where it requires them.
+/// Of them, images in another form: unseen where the file has them in a form that is read too, needed where it requires them.
 constexpr auto kOtherImages =
-    std::to_array<std::string_view>({"EXT_texture_avif", "EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds"});
+    std::to_array<std::string_view>({"KHR_texture_basisu", "MSFT_texture_dds"});
 
 bool is_in(std::span<const std::string_view> list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "scene/metals.h"
@@ -10,6 +11,9 @@
 namespace candela::io {
 
 namespace {
+
+/// Where textures have images beside the plain one; of several the first that a texture has is shown.
+constexpr std::array<const char*, 2> kImageExtensions = {"EXT_texture_avif", "EXT_texture_webp"};
 
 // A float of this size has no fraction left, so that no texture could be told apart from one texel.
 constexpr float kLargestTransform = 1e6f;
@@ -121,8 +125,8 @@ TextureSlot MaterialReader::slot(const JsonView& owner, const char* key) {
     warn(fmt::format("{} uses TEXCOORD_{}; only sets 0 and 1 are supported, so it is ignored", key, set), *info);
     return {};
   }
-  if (!root_.at("textures")[texture].find("source")) {
-    warn(fmt::format("{} has no PNG or JPEG image and is ignored", key), *info);
+  if (!image_of_texture(root_.at("textures")[texture])) {
+    warn(fmt::format("{} has no image in a form that is read and is ignored", key), *info);
     return {};
   }
   result.texture = static_cast<int>(texture);
@@ -384,6 +388,14 @@ Material MaterialReader::read() {
 }
 
 }  // namespace
+
+std::optional<JsonView> image_of_texture(const JsonView& texture) {
+  for (const char* name : kImageExtensions) {
+    const auto extension = texture.extension(name);
+    if (extension && extension->find("source")) return extension;
+  }
+  return texture.find("source") ? std::optional(texture) : std::nullopt;
+}
 
 Material read_material(const JsonView& root, const JsonView& json, std::size_t index, Warnings& warnings) {
   return MaterialReader(root, json, index, warnings).read();

@@ -1,12 +1,17 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "io/gltf_warnings.h"
 #include "io/json_view.h"
 #include "scene/scene.h"
 
 namespace candela::io {
+
+/// Which image a texture of the file shows: that of an extension which is read, else the plain one. Empty where it has
+/// neither.
+std::optional<JsonView> image_of_texture(const JsonView& texture);
 
 /// One material with everything its extensions say. Numbers outside their range are brought there, and what the
 /// extensions exclude is left out, each with a warning that names the material (by its name, else by `index`). Texture

@@ -149,8 +149,14 @@ FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
     const ImageFormat format = sniff_image_format(bytes);
     image.format = format_name(format);
     if (format == ImageFormat::png) read_png_header(bytes, image);
+    if (format == ImageFormat::webp || format == ImageFormat::avif) {
+      const ImageHeader header = read_image_header(bytes, source.label);
+      image.bits = header.bits;
+      image.has_alpha = header.has_alpha;
+    }
+    std::string oddity;
     const auto read = load_image({source.json, source.label, source.file_index, bytes, std::nullopt, std::nullopt},
-                                 uris_, decode, texels);
+                                 uris_, decode, texels, oddity);
     if (read == nullptr) {
       throw Error(fmt::format("the textures have more than {} texels in total", kMostTexels), source.label);
     }

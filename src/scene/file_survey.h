@@ -11,7 +11,7 @@ namespace candela {
 struct FileSurvey {
   struct Image {
     std::string name;            ///< of the image, else of its file; may be empty
-    std::string format;          ///< "PNG" or "JPEG"; else what it looks like, or "unknown"
+    std::string format;          ///< "PNG", "JPEG", "WebP" or "AVIF"; else what it looks like, or "unknown"
     std::size_t file_bytes = 0;  ///< encoded; 0 where they cannot be had
     int bits = 8;                ///< per channel
     bool has_alpha = false;      ///< a channel of its own, or transparent colours of a PNG
