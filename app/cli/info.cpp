@@ -30,6 +30,7 @@ struct Counts {
   std::size_t triangles = 0;         ///< stored once per mesh
   std::size_t placed_triangles = 0;  ///< as often as nodes show them
   std::size_t placed_meshes = 0;
+  std::size_t hidden_nodes = 0;
 };
 
 Counts count(const Scene& scene) {
@@ -46,6 +47,7 @@ Counts count(const Scene& scene) {
     total.triangles += triangles;
   }
   for (const Node& node : scene.nodes) {
+    total.hidden_nodes += node.is_hidden ? 1 : 0;
     if (node.mesh < 0) continue;
     total.placed_triangles += of_mesh[static_cast<std::size_t>(node.mesh)];
     ++total.placed_meshes;
@@ -101,10 +103,15 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   json["variants"] = file.variants;
   json["animations"] = file.animations.size();
   json["animation_list"] = Json::array();
-  std::vector<std::string> animations;
+  std::vector<std::string> animations, moved;  // the latter by KHR_animation_pointer
   for (const io::AnimationInfo& animation : file.animations) {
-    json["animation_list"].push_back(
-        {{"name", animation.name}, {"duration_s", animation.duration_s}, {"channels", animation.channels}});
+    json["animation_list"].push_back({{"name", animation.name},
+                                      {"duration_s", animation.duration_s},
+                                      {"channels", animation.channels},
+                                      {"pointers", animation.pointers}});
+    for (const std::string& pointer : animation.pointers) {
+      if (std::find(moved.begin(), moved.end(), pointer) == moved.end()) moved.push_back(pointer);
+    }
     animations.push_back(fmt::format("{}, {:.4g} s, {} {}", or_unnamed(animation.name), animation.duration_s,
                                      animation.channels, animation.channels == 1 ? "channel" : "channels"));
   }
@@ -119,6 +126,7 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
               fmt::format("{}: required, so the scene cannot be rendered", fmt::join(file.extensions_missing, " ")));
   }
   if (!animations.empty()) list(table, "animations", animations);
+  if (!moved.empty()) list(table, "animated", moved);
   if (file.skins > 0) table.row("skins", fmt::format("{}", file.skins));
 }
 
@@ -126,6 +134,7 @@ void describe_content(const Scene& scene, const FileSurvey* survey, Json& json, 
   const Counts counts = count(scene);
   json["name"] = scene.name;
   json["nodes"] = scene.nodes.size();
+  json["hidden_nodes"] = counts.hidden_nodes;
   json["meshes"] = scene.meshes.size();
   json["primitives"] = counts.primitives;
   json["vertices"] = counts.vertices;
@@ -134,7 +143,8 @@ void describe_content(const Scene& scene, const FileSurvey* survey, Json& json, 
   json["instanced_triangles"] = counts.placed_triangles;
   json["textures"] = scene.textures.size();
   if (!scene.name.empty()) table.row("name", scene.name);
-  table.row("nodes", fmt::format("{}, {} with a mesh", scene.nodes.size(), counts.placed_meshes));
+  table.row("nodes", fmt::format("{}, {} with a mesh{}", scene.nodes.size(), counts.placed_meshes,
+                                 counts.hidden_nodes > 0 ? fmt::format(", {} hidden", counts.hidden_nodes) : ""));
   table.row("meshes", fmt::format("{} of {} primitives", scene.meshes.size(), counts.primitives));
   table.row("triangles",
             fmt::format("{}, {} as placed; {} vertices", counts.triangles, counts.placed_triangles, counts.vertices));

@@ -29,6 +29,8 @@ ImageHeader png_header(std::span<const std::byte> bytes, const std::string& wher
 ImageHeader jpeg_header(std::span<const std::byte> bytes, const std::string& where);
 ImageHeader webp_header(std::span<const std::byte> bytes, const std::string& where);
 ImageHeader avif_header(std::span<const std::byte> bytes, const std::string& where);
+/// Of a KTX 2 that decode_texture_pixels reads.
+ImageHeader texture_header(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_png(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_jpeg(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_webp(std::span<const std::byte> bytes, const std::string& where);

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "image/codec.h"
+#include "image/texture_file.h"
 #include "shade/color.glsl.h"
 
 namespace candela {
@@ -31,7 +32,7 @@ bool is_avif(std::span<const std::byte> bytes) {
 }
 
 Error unexpected(ImageFormat format, const std::string& where) {
-  return Error(std::string("expected a PNG, JPEG, WebP or AVIF image, found ") + format_name(format), where);
+  return Error(std::string("expected a PNG, JPEG, WebP, AVIF or KTX 2 image, found ") + format_name(format), where);
 }
 
 template <class Code>
@@ -126,6 +127,7 @@ ImageHeader read_image_header(std::span<const std::byte> bytes, const std::strin
     case ImageFormat::avif:
       return codec::avif_header(bytes, where);
     default:
+      if (sniff_texture(bytes) == TextureContainer::ktx2) return codec::texture_header(bytes, where);
       throw unexpected(format, where);
   }
 }
@@ -145,6 +147,7 @@ TextureImage decode_texture(std::span<const std::byte> bytes, const std::string&
     case ImageFormat::avif:
       return codec::decode_avif(bytes, where);
     default:
+      if (sniff_texture(bytes) == TextureContainer::ktx2) return decode_texture_pixels(bytes, where);
       throw unexpected(format, where);
   }
 }

@@ -29,7 +29,7 @@ struct ImageFact {
   bool is_odd = false;  ///< it could not be followed: whoever uses the picture should hear of it
 };
 
-/// What the header of a PNG, JPEG, WebP or AVIF says.
+/// What the header of a PNG, JPEG, WebP, AVIF or KTX 2 says.
 struct ImageHeader {
   ivec2 size{0};
   int bits = 8;  ///< per channel of the texels that decoding gives: 8 or 16
@@ -37,14 +37,14 @@ struct ImageHeader {
   std::vector<ImageFact> facts = {};  ///< odd ones
 };
 
-/// From the header alone, without a pixel decoded; throws Error(…, where) when it is none of the four or is damaged.
+/// From the header alone, without a pixel decoded; throws Error(…, where) when it is none of them or is damaged.
 ImageHeader read_image_header(std::span<const std::byte> bytes, const std::string& where);
 /// Width and height of it.
 ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where);
 
-/// Decodes PNG, JPEG, WebP or AVIF to RGBA texels. Throws Error(…, where) for other formats, damaged data or sizes
-/// above 16384. Of an animation it is the first frame; what files say of colour spaces is ignored, as glTF 2.0 §3.8.1
-/// asks for; an AVIF of 10 or 12 bits becomes 16, and is turned as it says.
+/// Decodes PNG, JPEG, WebP, AVIF or the largest level of a KTX 2 to RGBA texels. Throws Error(…, where) for other
+/// formats, damaged data or sizes above 16384. Of an animation it is the first frame; what files say of colour spaces
+/// is ignored, as glTF 2.0 §3.8.1 asks for; an AVIF of 10 or 12 bits becomes 16, and is turned as it says.
 TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where);
 
 /// How a picture of light from everywhere covers the directions, where the file itself says so (OpenEXR's `envmap`).

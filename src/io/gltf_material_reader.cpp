@@ -13,7 +13,8 @@ namespace candela::io {
 namespace {
 
 /// Where textures have images beside the plain one; of several the first that a texture has is shown.
-constexpr std::array<const char*, 2> kImageExtensions = {"EXT_texture_avif", "EXT_texture_webp"};
+constexpr std::array<const char*, 4> kImageExtensions = {"KHR_texture_basisu", "EXT_texture_astc", "EXT_texture_avif",
+                                                         "EXT_texture_webp"};
 
 // A float of this size has no fraction left, so that no texture could be told apart from one texel.
 constexpr float kLargestTransform = 1e6f;
@@ -125,8 +126,8 @@ TextureSlot MaterialReader::slot(const JsonView& owner, const char* key) {
     warn(fmt::format("{} uses TEXCOORD_{}; only sets 0 and 1 are supported, so it is ignored", key, set), *info);
     return {};
   }
-  if (!image_of_texture(root_.at("textures")[texture])) {
-    warn(fmt::format("{} has no image in a form that is read and is ignored", key), *info);
+  if (!texture_source(root_.at("textures")[texture])) {
+    warn(fmt::format("{} has no image in a format that is read and is ignored", key), *info);
     return {};
   }
   result.texture = static_cast<int>(texture);
@@ -389,12 +390,12 @@ Material MaterialReader::read() {
 
 }  // namespace
 
-std::optional<JsonView> image_of_texture(const JsonView& texture) {
+std::optional<JsonView> texture_source(const JsonView& texture) {
   for (const char* name : kImageExtensions) {
     const auto extension = texture.extension(name);
-    if (extension && extension->find("source")) return extension;
+    if (extension && extension->find("source")) return extension->find("source");
   }
-  return texture.find("source") ? std::optional(texture) : std::nullopt;
+  return texture.find("source");
 }
 
 Material read_material(const JsonView& root, const JsonView& json, std::size_t index, Warnings& warnings) {

@@ -9,10 +9,6 @@
 
 namespace candela::io {
 
-/// Which image a texture of the file shows: that of an extension which is read, else the plain one. Empty where it has
-/// neither.
-std::optional<JsonView> image_of_texture(const JsonView& texture);
-
 /// One material with everything its extensions say. Numbers outside their range are brought there, and what the
 /// extensions exclude is left out, each with a warning that names the material (by its name, else by `index`). Texture
 /// slots hold the file's texture indices.
@@ -22,5 +18,9 @@ std::optional<JsonView> image_of_texture(const JsonView& texture);
 ///
 /// `"extras": {"candela": {"conductor": "gold"}}` makes the metallic part a measured metal (find_metal).
 Material read_material(const JsonView& root, const JsonView& json, std::size_t index, Warnings& warnings);
+
+/// The index of a texture's image: of an extension that has it in another form, before the one that every reader knows.
+/// Empty where there is none.
+std::optional<JsonView> texture_source(const JsonView& texture);
 
 }  // namespace candela::io

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/gltf_pointer.h"
+
 namespace candela::io {
 
 namespace {
@@ -94,6 +96,9 @@ FileNode read_node(const JsonView& json, const Counts& counts, Warnings& warning
   node.mesh = json.index_of("mesh", counts.meshes, "mesh");
   node.skin = json.index_of("skin", counts.skins, "skin");
   node.camera = json.index_of("camera", counts.cameras, "camera");
+  if (const auto visibility = json.extension("KHR_node_visibility")) {
+    node.is_visible = visibility->boolean_or("visible", true);
+  }
   if (const auto light = json.extension("KHR_lights_punctual")) {
     node.light = light->at("light").index(counts.lights, "light");
   }
@@ -134,6 +139,32 @@ void compute_world(const JsonView& nodes_json, std::vector<FileNode>& nodes) {
   }
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!visited[i]) throw nodes_json[i].error(fmt::format("node {} is its own ancestor", i));
+  }
+}
+
+/// Whether some animation of the file hides or shows nodes (KHR_animation_pointer).
+bool is_visibility_animated(const JsonView& root) {
+  for (std::size_t i = 0; i < count_of(root, "animations"); ++i) {
+    const auto channels = root.at("animations")[i].find("channels");
+    for (std::size_t k = 0; channels && k < channels->size(); ++k) {
+      const auto moved = pointer_extension((*channels)[k]);
+      if (moved && moved->string_or("pointer").ends_with("/extensions/KHR_node_visibility/visible")) return true;
+    }
+  }
+  return false;
+}
+
+/// Marks what hangs on the roots of a scene, from parents to children.
+void mark_scene(const std::vector<std::size_t>& roots, bool uses_hidden, std::vector<FileNode>& nodes) {
+  std::vector<std::size_t> stack = roots;
+  while (!stack.empty()) {
+    FileNode& node = nodes[stack.back()];
+    stack.pop_back();
+    if (node.in_scene) continue;
+    node.in_scene = true;
+    node.is_shown = node.is_visible && (!node.parent || nodes[*node.parent].is_shown);
+    node.is_used = node.is_shown || uses_hidden;
+    stack.insert(stack.end(), node.children.begin(), node.children.end());
   }
 }
 
@@ -180,14 +211,7 @@ FileScene read_nodes(const JsonView& root, Warnings& warnings,
     }
     compute_world(*nodes_json, scene.nodes);
   }
-  std::vector<std::size_t> stack = scene_roots(root, scene);
-  while (!stack.empty()) {
-    FileNode& node = scene.nodes[stack.back()];
-    stack.pop_back();
-    if (node.in_scene) continue;
-    node.in_scene = true;
-    stack.insert(stack.end(), node.children.begin(), node.children.end());
-  }
+  mark_scene(scene_roots(root, scene), is_visibility_animated(root), scene.nodes);
   return scene;
 }
 
@@ -212,6 +236,11 @@ std::vector<vec4> read_colors(const Accessor& accessor, const JsonView& attribut
 }
 
 }  // namespace
+
+std::vector<float> read_weights(const JsonView& owner) {
+  const auto weights = owner.find("weights");
+  return weights ? weights->reals(weights->size()) : std::vector<float>();
+}
 
 Instances read_instances(const JsonView& extension, AccessorReader& reader, Warnings& warnings) {
   const JsonView attributes = extension.at("attributes");

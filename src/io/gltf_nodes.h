@@ -34,7 +34,11 @@ struct FileNode {
   std::optional<std::size_t> camera;
   std::optional<std::size_t> light;
   std::optional<IesUse> ies;
+  bool is_visible = true;  ///< KHR_node_visibility, as the moment has it; false hides all below, too
   bool in_scene = false;
+  bool is_shown = false;  ///< in the scene, and neither hidden nor below what is
+  /// Whether what it holds is part of the scene: shown, or in a file whose animations may show it at another moment.
+  bool is_used = false;
 };
 
 struct FileScene {
@@ -42,10 +46,13 @@ struct FileScene {
   std::vector<FileNode> nodes;  ///< all of the file, in its order
 };
 
-/// Reads the node hierarchy, checks that it is a forest, and marks what the default scene reaches. `pose` may move
-/// nodes before anything is derived from where they are.
+/// Reads the node hierarchy, checks that it is a forest, and marks what the scene reaches and shows. `pose` may move,
+/// hide and show nodes before anything is derived from where they are.
 FileScene read_nodes(const JsonView& root, Warnings& warnings,
                      const std::function<void(std::vector<FileNode>&)>& pose = {});
+
+/// Weights of morph targets as a node or a mesh has them at rest; empty where it says none.
+std::vector<float> read_weights(const JsonView& owner);
 
 struct Instances {
   std::vector<mat4> node_from_instance;

@@ -32,6 +32,8 @@ struct Texture {
   Wrap wrap_v = Wrap::repeat;
   Filter filter = Filter::linear;  ///< magnification; minification is by supersampling (path) or mips (raster)
   int file_index = -1;
+
+  bool operator==(const Texture&) const = default;
 };
 
 /// A texture as one slot of a material uses it. uv' = transform * (uv, 1), columns of a 2×3 matrix
@@ -42,6 +44,7 @@ struct TextureSlot {
   std::array<vec2, 3> transform{vec2(1, 0), vec2(0, 1), vec2(0, 0)};
 
   explicit operator bool() const { return texture >= 0; }
+  bool operator==(const TextureSlot&) const = default;
   vec2 apply(vec2 uv) const { return transform[0] * uv.x + transform[1] * uv.y + transform[2]; }
 };
 
@@ -137,6 +140,7 @@ struct Material {
 
   int file_index = -1;  ///< glTF's default material has the number after the file's last
 
+  bool operator==(const Material&) const = default;
   bool is_conductor() const { return max_component(conductor_k) > 0.0f; }
   /// Whether light that enters goes through a body (KHR_materials_volume) rather than a sheet.
   bool has_volume() const { return thickness > 0.0f; }
@@ -223,6 +227,9 @@ struct Mesh {
   std::string name;
   std::vector<Primitive> primitives;
   int file_index = -1;
+  /// Meshes that share one have equal primitives, so that what was made of them may serve again. Null = nothing is
+  /// known; who changes a mesh that has one takes it away.
+  std::shared_ptr<const void> identity = nullptr;
 };
 
 struct PerspectiveCamera {
@@ -270,7 +277,8 @@ struct Node {
   int camera = -1;
   int light = -1;
   int file_index = -1;
-  vec4 color{1.0f};  ///< linear RGBA within 0 … 1, multiplies the base colour of its mesh as vertex colours do
+  vec4 color{1.0f};        ///< linear RGBA within 0 … 1, multiplies the base colour of its mesh as vertex colours do
+  bool is_hidden = false;  ///< KHR_node_visibility: holds neither mesh nor light, whatever the file's node does
 };
 
 /// A uniformly bright disc infinitely far away, e.g. the sun.

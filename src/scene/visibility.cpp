@@ -176,6 +176,9 @@ bool sees_something(const Scene& scene, const View& view) {
 std::optional<Diagnostic> find_emptiness(const Scene& scene) {
   const Box3 bounds = world_bounds(scene);
   if (!bounds.empty()) return find_far_vertex(scene, bounds);
+  const bool is_hidden =
+      std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.is_hidden; });
+  if (is_hidden) return Diagnostic{"nothing in the scene that is not hidden has a mesh", {}};
   return Diagnostic{scene.meshes.empty() ? "nothing in the scene has a mesh" : "no mesh of the scene has a triangle",
                     {}};
 }

@@ -21,6 +21,7 @@ struct Doubtful {
 };
 constexpr auto kDoubtful = std::to_array<Doubtful>({
     {"EXT_lights_ies", "a multi-vendor extension that few viewers read"},
+    {"EXT_texture_astc", "a draft"},
     {"KHR_materials_pbrSpecularGlossiness", "archived; viewers drop it, and show metallic-roughness instead"},
     {"KHR_materials_scatter", "a draft"},
     {"KHR_materials_volume_scatter", "a draft"},
@@ -183,6 +184,15 @@ void judge_size(const Scene& scene, std::vector<Finding>& findings) {
   findings.push_back(std::move(f));
 }
 
+void judge_hidden(const Scene& scene, std::vector<Finding>& findings) {
+  const auto hidden = std::count_if(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.is_hidden; });
+  if (hidden == 0) return;
+  findings.push_back(plain(Severity::note, "nodes-hidden", {},
+                           fmt::format("{} node{} hidden (KHR_node_visibility): what {} is neither shown nor judged",
+                                       hidden, hidden == 1 ? " is" : "s are", hidden == 1 ? "it holds" : "they hold")));
+  findings.back().measured.emplace_back("nodes", static_cast<double>(hidden));
+}
+
 }  // namespace
 
 std::vector<Finding> check_images(const FileSurvey& survey) {
@@ -207,6 +217,7 @@ void check_file(const CheckInput& input, std::vector<Finding>& findings) {
     for (Finding& f : check_images(*input.survey)) findings.push_back(std::move(f));
   }
   pass_warnings(input, findings);
+  judge_hidden(input.scene, findings);
   judge_size(input.scene, findings);
 }
 

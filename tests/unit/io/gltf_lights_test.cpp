@@ -166,6 +166,14 @@ TEST(unit_io_gltf_ies_lights, a_node_may_have_a_punctual_light_too) {
   EXPECT_EQ(scene.nodes[1].world_from_node, scene.nodes[0].world_from_node);
 }
 
+TEST(unit_io_gltf_ies_lights, hidden_ones_do_not_shine) {
+  Builder b = with_profile({{"uri", data_uri(tiny_ies())}}, {{"light", 0}});
+  b.root["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = false;
+  const Loaded loaded = load(b);
+  EXPECT_TRUE(loaded.scene.lights.empty() && loaded.scene.ies_profiles.empty());
+  EXPECT_EQ(loaded.scene.nodes.at(0).light, -1);
+}
+
 TEST(unit_io_gltf_ies_lights, oddities_are_told_and_nonsense_is_refused) {
   const json good = {{"uri", data_uri(tiny_ies())}};
   EXPECT_TRUE(load(with_profile(good, {{"light", 0}, {"multiplier", -1}})).warned("out of range and clamped"));

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "unit/io/gltf_builder.h"
@@ -177,6 +178,72 @@ TEST(unit_io_gltf_nodes, the_default_scene_is_shown_and_nothing_else) {
   b.root["scene"] = 0;
   b.root["scenes"] = {{{"nodes", {2}}}};
   EXPECT_THAT(error_of(b), HasSubstr("node 2 is no root: it is a child of node 1"));
+}
+
+/// Four nodes in a chain, each with a mesh, a camera and a lamp; `hidden` says which have visible = false.
+Builder chain(const std::vector<int>& hidden) {
+  Builder b = triangle();
+  b.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}}}}};
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  b.root["extensionsUsed"] = {"KHR_lights_punctual", "KHR_node_visibility"};
+  b.root["extensionsRequired"] = {"KHR_node_visibility"};
+  b.root["nodes"] = json::array();
+  for (int i = 0; i < 4; ++i) {
+    b.root["nodes"].push_back({{"mesh", 0}, {"camera", 0}});
+    if (i < 3) b.root["nodes"][i]["children"] = {i + 1};
+    b.root["nodes"][i]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    b.root["nodes"][i]["extensions"]["KHR_node_visibility"]["visible"] = true;
+  }
+  for (const int i : hidden) b.root["nodes"][i]["extensions"]["KHR_node_visibility"]["visible"] = false;
+  return b;
+}
+
+TEST(unit_io_gltf_visibility, what_is_hidden_hides_all_below_but_cameras) {
+  for (int hidden = 0; hidden < 4; ++hidden) {
+    const Loaded loaded = load(chain({hidden}));
+    ASSERT_EQ(loaded.scene.nodes.size(), 4u);
+    for (int i = 0; i < 4; ++i) {
+      const Node& node = loaded.scene.nodes[static_cast<std::size_t>(i)];
+      EXPECT_EQ(node.is_hidden, i >= hidden);
+      EXPECT_EQ(node.mesh, i < hidden ? 0 : -1) << "visible below a hidden one stays hidden";
+      EXPECT_EQ(node.light, i < hidden ? 0 : -1);
+      EXPECT_EQ(node.camera, 0);
+    }
+    EXPECT_TRUE(loaded.warnings.empty());
+  }
+  EXPECT_FALSE(load(chain({})).scene.nodes[3].is_hidden);
+  Builder absent = triangle();
+  absent.root["nodes"][0]["extensions"]["KHR_node_visibility"] = json::object();
+  EXPECT_EQ(load(absent).scene.nodes[0].mesh, 0) << "visible is true where it is not said";
+  absent.root["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = 1;
+  EXPECT_THAT(error_of(absent), HasSubstr("true or false"));
+}
+
+TEST(unit_io_gltf_visibility, what_is_hidden_is_not_read) {
+  Builder b = chain({0});
+  b.root["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 77;
+  b.root["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 99}}}}}}};
+  b.root["meshes"][0]["primitives"][0]["material"] = 0;
+  const Loaded loaded = load(b);
+  EXPECT_TRUE(loaded.scene.meshes.empty() && loaded.scene.lights.empty());
+  EXPECT_EQ(loaded.scene.materials.size(), 1u);
+}
+
+TEST(unit_io_gltf_visibility, instances_and_skinned_meshes_are_hidden_too) {
+  Builder b = chain({0});
+  b.root["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
+      b.vec3s({0, 0, 0, 1, 0, 0});
+  auto& attributes = b.root["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = b.accessor<std::uint8_t>(std::vector<std::uint8_t>(12, 0), "VEC4", 5121, 4);
+  attributes["WEIGHTS_0"] = b.vec4s({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  b.root["skins"] = {{{"joints", {3}}}};
+  b.root["nodes"][2]["skin"] = 0;
+  const auto shown = [](const Scene& scene) {
+    return std::count_if(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.mesh >= 0; });
+  };
+  EXPECT_EQ(shown(load(b).scene), 0);
+  b.root["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = true;
+  EXPECT_EQ(shown(load(b).scene), 5) << "two nodes, two instances, a skinned mesh";
 }
 
 TEST(unit_io_gltf_nodes, unused_meshes_materials_and_images_are_left_alone) {
