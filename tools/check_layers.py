@@ -48,6 +48,7 @@ THIRD_PARTY = {
     "tbb/": {"base", "path"},
     "turbojpeg.h": {"image"},
     "webp/": {"image"},
+    "zip.h": {"io"},
     "zlib.h": {"image"},
     "zstd.h": {"image"},
 }

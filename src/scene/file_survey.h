@@ -35,8 +35,15 @@ struct FileSurvey {
     std::vector<int> missing_uv_sets = {};  ///< that the material's textures read, ascending
   };
 
+  /// A file that is named and lies outside of the scene's own folder, all links resolved.
+  struct Outside {
+    std::string where;  ///< file and JSON pointer
+    std::string name;   ///< as the file has it
+  };
+
   std::vector<Image> images;          ///< as Scene::images
   std::vector<Primitive> primitives;  ///< of triangles, each once, in the file's order
+  std::vector<Outside> outside;       ///< in the file's order
 };
 
 }  // namespace candela
