@@ -528,7 +528,7 @@ Outcome render_scene(const RenderOptions& given, Inputs inputs, Shared& shared, 
   check_paths(o);
   progress.phase("loading " + o.scene);
   Diagnostics diagnostics;
-  Job job(Asset(o.scene, &diagnostics, o.variant));
+  Job job(Asset(o.scene, &diagnostics, LoadOptions{.variant = o.variant, .root = o.root}));
   inputs.add(job.asset.files());
   choose_default_name(o, inputs);
   check_overwriting(o, inputs);
@@ -555,7 +555,7 @@ void render_batch(const RenderOptions& o, Inputs inputs, Shared& shared, int thr
   fs::create_directories(folder, code);
   if (code) throw Error("cannot be made: " + code.message(), folder.string());
   // The picture of one scene must not be a texture of the next.
-  add_scene_files(o.scenes, inputs);
+  add_scene_files(o.scenes, o.root, inputs);
   const std::vector<fs::path> outputs = batch_outputs(o.scenes, folder, inputs);
   std::size_t failed = 0, done = 0;
   bool is_last_unfinished = false;
