@@ -31,6 +31,7 @@ ALLOWED = {
 # that other folders see.
 THIRD_PARTY = {
     "CLI/": {"app"},
+    "avif/": {"image"},
     "EGL/": {"gl"},
     "GL": {"gl"},
     "GLFW/": {"gl"},
@@ -48,6 +49,8 @@ THIRD_PARTY = {
     "png.h": {"image"},
     "tbb/": {"base", "path"},
     "turbojpeg.h": {"image"},
+    "webp/": {"image"},
+    "zip.h": {"io"},
     "zlib.h": {"foreign", "image"},
     "zstd.h": {"image"},
 }

@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "base/file.h"
 #include "foreign/convert.h"
 #include "foreign/formats.h"
 
@@ -25,42 +24,42 @@ std::string lower_extension(const fs::path& path) {
   return extension;
 }
 
-[[noreturn]] void refuse(std::span<const std::byte> bytes, const fs::path& name) {
+[[noreturn]] void refuse(std::span<const std::byte> bytes, const std::string& label) {
   const std::string_view kind = foreign::guess_kind(bytes);
   throw Error(fmt::format("{}: no scene of a known format ({})", kind.empty() ? "its content is unknown" : kind,
                           foreign::known_formats()),
-              name.string());
+              label);
 }
 
 }  // namespace
 
-GltfSource as_gltf(std::vector<std::byte> bytes, const foreign::Surroundings& around, const fs::path& name,
-                   Diagnostics& diagnostics) {
-  const foreign::Format format = foreign::recognise(bytes);
-  GltfSource source{{}, std::string(foreign::format_name(foreign::Format::gltf)), bytes.size(), {}};
+SceneSource open_gltf(const fs::path& path, const fs::path& root, Diagnostics& diagnostics) {
+  SceneSource source = open_scene(path, root);
+  source.file_bytes = source.bytes.size();
+  source.format = foreign::format_name(foreign::Format::gltf);
+  const fs::path name = source.entry.empty() ? path : fs::path(source.entry);
+  const foreign::Format format = foreign::recognise(source.bytes);
+  if (format == foreign::Format::gltf) return source;
   if (format == foreign::Format::unknown) {
     const std::string extension = lower_extension(name);
-    if (extension != ".gltf" && extension != ".glb") refuse(bytes, name);
-  }
-  if (format == foreign::Format::unknown || format == foreign::Format::gltf) {
-    source.bytes = std::move(bytes);
+    if (extension != ".gltf" && extension != ".glb") refuse(source.bytes, source.label);
     return source;
   }
-  foreign::Converted made = foreign::convert(bytes, format, around, name.stem().string(), name.string(), diagnostics);
+  // Names of foreign files are those of another machine: what leads out of bounds may still lie beside the scene.
+  const foreign::Surroundings around{[&](const std::string& file) {
+                                       try {
+                                         return source.files.contains(file);
+                                       } catch (const Error&) {
+                                         return false;
+                                       }
+                                     },
+                                     [&](const std::string& file) { return source.files.read(file); }};
+  foreign::Converted made =
+      foreign::convert(source.bytes, format, around, name.stem().string(), source.label, diagnostics);
   source.bytes = std::move(made.glb);
   source.format = foreign::format_name(format);
   source.read = std::move(made.read);
   return source;
-}
-
-GltfSource read_as_gltf(const fs::path& path, Diagnostics& diagnostics) {
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const foreign::Surroundings around{[&](const std::string& name) {
-                                       std::error_code code;
-                                       return fs::is_regular_file(folder / name, code);
-                                     },
-                                     [&](const std::string& name) { return read_file(folder / name); }};
-  return as_gltf(read_file(path), around, path, diagnostics);
 }
 
 bool has_foreign_extension(const fs::path& path) {

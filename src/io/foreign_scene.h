@@ -2,31 +2,18 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "base/diagnostics.h"
-#include "foreign/surroundings.h"
+#include "io/scene_files.h"
 
 namespace candela::io {
 
-/// A scene file as a glTF: itself, or what was made of another format.
-struct GltfSource {
-  std::vector<std::byte> bytes;
-  std::string format;             ///< "glTF", "OBJ"…: what the file is
-  std::size_t file_bytes = 0;     ///< of the file itself
-  std::vector<std::string> read;  ///< names of other files that making it has read
-};
+/// Opens a scene of any format and makes a glTF of it, which the rest of this folder reads: what a file is its content
+/// tells, never its name. Where nothing knows the content, what is called .gltf or .glb goes to the reader of glTF,
+/// which says what is wrong, and the rest is an Error that names what it is if it can. Throws Error as open_scene.
+SceneSource open_gltf(const std::filesystem::path& path, const std::filesystem::path& root, Diagnostics& diagnostics);
 
-/// Told apart by content alone. Throws Error for what is no scene, which it then names if it can. `name` is only asked
-/// where nothing knows the content: what is called .gltf or .glb goes to the reader of glTF, which says what is wrong.
-GltfSource as_gltf(std::vector<std::byte> bytes, const foreign::Surroundings& around, const std::filesystem::path& name,
-                   Diagnostics& diagnostics);
-
-/// The same for a file on disk and what lies around it.
-GltfSource read_as_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
-
-/// Endings that files of the formats beside glTF have, to find them in folders.
+/// Endings that files of the formats beside glTF have, to find them in folders and archives.
 bool has_foreign_extension(const std::filesystem::path& path);
 
 }  // namespace candela::io

@@ -432,6 +432,30 @@ class Files(ForeignTest):
         self.write("a.obj", obj("w", library="maps/w.mtl", uvs=((0, 0), (1, 0), (0, 1), (1, 1))))
         self.assertEqual(self.info("a.obj")["warnings"], [])
 
+    def test_archive_with_one_scene_and_its_maps(self):
+        library = "newmtl w\nmap_Kd ..\\..\\elsewhere\\wood.png\n"
+        wood = png(1, 1, lambda x, y: (9, 9, 9, 255))
+        with zipfile.ZipFile(self.folder / "a.zip", "w") as archive:
+            archive.writestr("model/a.obj", obj("w", uvs=((0, 0), (1, 0), (0, 1), (1, 1))))
+            archive.writestr("model/a.mtl", library)
+            archive.writestr("model/wood.png", wood)
+        found = self.info("a.zip")
+        self.assertEqual((found["format"], found["archive_entry"], found["warnings"]), ("OBJ", "model/a.obj", []))
+
+    def test_root_holds_for_libraries_and_maps(self):
+        self.write("secret.mtl", "newmtl w\nKd 1 0 0\n")
+        self.write("secret.png", png(1, 1, lambda x, y: (9, 9, 9, 255)))
+        self.write("in/a.obj", obj("w", library="../secret.mtl"))
+        told = " ".join(self.info("in/a.obj")["warnings"])
+        self.assertEqual(told, "")
+        self.assertEqual(json.loads(self.succeeds("info", "in/a.obj", "--json").out)["materials"][0]["name"], "w")
+        result = self.succeeds("info", "in/a.obj", "--json", "--root", "in")
+        self.assertIn("are missing", " ".join(json.loads(result.out)["warnings"]))
+        self.write("in/a.mtl", "newmtl w\nmap_Kd ../secret.png\n")
+        self.write("in/b.obj", obj("w", uvs=((0, 0), (1, 0), (0, 1), (1, 1))))
+        self.succeeds("info", "in/b.obj")
+        self.fails("info", "in/b.obj", "--root", "in", says="leads out of")
+
 
 if __name__ == "__main__":
     main()
