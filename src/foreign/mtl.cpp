@@ -156,7 +156,7 @@ void for_each_statement(std::string_view text, const std::function<void(const st
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find_first_of("\n\r", at), text.size());
     std::string_view line = trimmed(text.substr(at, end - at));
-    at = end + 1;
+    at = end + (text.substr(end).starts_with("\r\n") ? 2 : 1);
     if (line.ends_with('\\')) {
       joined.append(line.substr(0, line.size() - 1)).push_back(' ');
       continue;

@@ -49,8 +49,10 @@ TEST(unit_foreign_draft, comes_through_as_it_went_in) {
   EXPECT_THROW(unpack({}), Error);
 }
 
+nlohmann::json picture(const std::string& file) { return {{"uri", file}, {"name", file}}; }
+
 nlohmann::json material_of(const Look& look, Draft& draft) {
-  MaterialWriter writer(draft, [](const std::string& file) { return nlohmann::json{{"uri", file}, {"name", file}}; });
+  MaterialWriter writer(draft, picture);
   const std::size_t index = writer.add(look);
   return draft.gltf["materials"][index];
 }
@@ -74,22 +76,24 @@ TEST(unit_foreign_draft, phong_becomes_metallic_roughness) {
 
 TEST(unit_foreign_draft, pictures_that_gltf_packs_otherwise_are_mixed) {
   Draft draft;
+  MaterialWriter writer(draft, picture);
+  const auto add = [&](const Look& l) { return draft.gltf["materials"][writer.add(l)]; };
   Look look;
   look.roughness_map.file = "r.png";
   look.metallic = 0.0f;
-  material_of(look, draft);
+  add(look);
   EXPECT_TRUE(draft.mixtures.empty()) << "blue does not count where nothing is metal";
   look.metallic_map.file = "m.png";
   look.metallic.reset();
-  const nlohmann::json m = material_of(look, draft);
+  const nlohmann::json m = add(look);
   ASSERT_EQ(draft.mixtures.size(), 1u);
   EXPECT_EQ(draft.mixtures[0]["kind"], "pack");
   EXPECT_EQ(m["pbrMetallicRoughness"]["metallicFactor"], 1.0);
   look.opacity_map = look.color_map = Map{.file = "c.png"};
-  EXPECT_EQ(material_of(look, draft)["alphaMode"], "BLEND");
+  EXPECT_EQ(add(look)["alphaMode"], "BLEND");
   EXPECT_EQ(draft.mixtures.size(), 1u) << "one picture holds both";
   look.opacity_map.file = "d.png";
-  material_of(look, draft);
+  add(look);
   EXPECT_EQ(draft.mixtures.size(), 2u);
 }
 
