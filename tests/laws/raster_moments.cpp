@@ -77,7 +77,7 @@ std::vector<Change> changes() {
        })},
       {"a mirror",
        [](Scene& s) {
-         s.nodes[0].world_from_node = scaling({-1, 1, 1});
+         s.nodes[0].world_from_node = scaling({-1, 0.6f, 1});
        }},
       {"something hidden", [](Scene& s) { s.nodes[0].mesh = -1; }},
       {"a node's colour", [](Scene& s) { s.nodes[1].color = vec4(0.2f, 0.9f, 1.0f, 1.0f); }},
