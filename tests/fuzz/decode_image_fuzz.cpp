@@ -14,7 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (std::int64_t{header.size.x} * header.size.y > kMostPixels) return 0;
     const TextureImage image = decode_texture(bytes, {});
     const std::size_t texels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-    if (ivec2(image.width, image.height) != header.size || image.pixels.size() != texels * 4 * (image.bits / 8u)) {
+    const std::size_t texel_bytes = image.bits == 16 ? 8 : 4;
+    if (ivec2(image.width, image.height) != header.size || image.pixels.size() != texels * texel_bytes) {
       std::abort();
     }
   } catch (const Error&) {

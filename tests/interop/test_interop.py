@@ -74,7 +74,9 @@ def tools():
     all_tools.append(Tool("Babylon GLTF2Export", with_args(script("babylon_export.mjs"), "IN", "OUT"), EXACT))
     for kind in ("glb2", "gltf2", "obj", "stl", "ply", "dae", "3ds", "fbx"):
         is_gltf = kind in ("glb2", "gltf2")
-        lacks = {} if is_gltf else {"skinned": "written unbent"}
+        lacks = {"alpha": "writes opacity squared", "morphed": "drops the weights"}
+        if not is_gltf:
+            lacks.update({"skinned": "written unbent", "alpha": "no coverage"})
         if kind == "fbx":
             lacks = dict.fromkeys(SOURCES, "Assimp does not read its own FBX")
         if kind == "3ds":
@@ -83,7 +85,9 @@ def tools():
         command = with_args(assimp, "IN", "OUT", f"-f{kind}")
         all_tools.append(Tool(f"Assimp {kind}", command, EXACT if is_gltf else LOSSY, out, shape=not is_gltf, lacks=lacks))
     for kind in ("glb", "fbx", "obj", "stl", "ply", "dae"):
-        lacks = {"skinned": "Blender does not read its own"} if kind == "dae" else {}
+        lacks = {} if kind == "glb" else {"alpha": "no coverage"}
+        if kind == "dae":
+            lacks["skinned"] = "Blender does not read its own"
         command = with_args(blender, "IN", "OUT")
         all_tools.append(Tool(f"Blender {kind}", command, EXACT, f"out.{kind}", shape=kind != "glb", lacks=lacks))
     return all_tools

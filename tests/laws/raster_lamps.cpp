@@ -226,7 +226,7 @@ TEST_F(law_raster_lamps, sheen_is_read_from_the_levels_of_its_probe) {
   SceneBuilder b;
   Material cloth = matte(vec3(0.0f));
   cloth.sheen_color = vec3(1.0f);
-  cloth.sheen_roughness = 0.3f;
+  cloth.sheen_roughness = 0.8f;  // far from the first level
   b.add(sphere(vec3(0.0f), 1.0f, 5, false), cloth);
   const Scene scene = b.build();
   const raster::BakedLight whole = raster::bake_light(sky, true, {});

@@ -34,6 +34,7 @@ Scene scene_of(const std::function<void(Scene&)>& change) {
   Material m = plastic({0.8f, 0.5f, 0.3f}, 0.4f);
   m.alpha_mode = AlphaMode::blend;
   m.base_color_texture = slot(b.add_texture(2, 1, {255, 255, 255, 255, 60, 120, 255, 255}));
+  b.add_texture(1, 1, {30, 220, 60, 128});
   b.add(sphere(vec3(0.0f), 1.0f, 3, false), m);
   b.add(quad({-3, -3, -2}, {6, 0, 0}, {0, 6, 0}), matte({0.2f, 0.7f, 0.3f}));
   b.add_light(spot_light(vec3(1.0f), 40.0f, 0.2f, 0.5f), aimed({2, 3, 4}, vec3(0.0f)));
@@ -68,6 +69,18 @@ std::vector<Change> changes() {
        [](Scene& s) {
          s.lights[0].intensity = 10.0f, s.lights[0].color = {1.0f, 0.2f, 0.2f};
        }},
+      {"another texture", of_ball([](Material& m) { m.base_color_texture.texture = 1; })},
+      {"another image", [](Scene& s) { s.textures[0].image = 1; }},
+      {"a filter", [](Scene& s) { s.textures[0].filter = Filter::nearest; }},
+      {"what is masked", of_ball([](Material& m) {
+         m.alpha_mode = AlphaMode::mask, m.alpha_cutoff = 0.6f, m.base_color_texture.texture = 1;
+       })},
+      {"a mirror",
+       [](Scene& s) {
+         s.nodes[0].world_from_node = scaling({-1, 0.6f, 1});
+       }},
+      {"something hidden", [](Scene& s) { s.nodes[0].mesh = -1; }},
+      {"a node's colour", [](Scene& s) { s.nodes[1].color = vec4(0.2f, 0.9f, 1.0f, 1.0f); }},
       {"cone", [](Scene& s) { s.lights[0].outer_cone = 0.25f; }},
   };
 }

@@ -10,6 +10,7 @@
 #include "image/texture_codec.h"
 #include "unit/image/basis_files.h"
 #include "unit/image/image_util.h"
+#include "unit/image/ktx2_builder.h"
 #include "unit/image/texture_seeds.h"
 #include "unit/image/uastc_blocks.h"
 
@@ -65,6 +66,55 @@ TEST(unit_image_basis, files_of_the_encoder_decode_as_three_decodes_them) {
     ++images;
   }
   EXPECT_EQ(images, 54u);
+}
+
+// ----- channels
+
+using Codes = std::vector<std::uint8_t>;
+
+TEST(unit_image_basis, channels_are_what_the_descriptor_says) {
+  enum Channel : std::uint32_t { rgb, rgba = 3, red, red_alpha, red_green };
+  constexpr int kWidth = 32;
+  test::Ktx2 file{.width = kWidth, .levels = {test::random_uastc(10, kWidth / 4)}};
+  for (const bool is_srgb : {false, true}) {
+    file.transfer = is_srgb ? 2 : 1;
+    Codes raw(std::size_t{kWidth} * 16);
+    codec::decode_uastc(file.levels[0], kWidth, 4, is_srgb ? UastcRounding::srgb : UastcRounding::linear, raw);
+    for (const std::uint32_t channel : {rgb, rgba, red, red_alpha, red_green}) {
+      file.channels = {channel};
+      const TextureImage image = decode_texture(file.bytes(), "t");
+      ASSERT_EQ(image.pixels.size(), raw.size());
+      EXPECT_EQ(image.has_alpha, channel == rgba);
+      for (std::size_t i = 0; i < raw.size(); i += 4) {
+        const std::uint8_t *from = &raw[i], *texel = &image.pixels[i];
+        ASSERT_EQ(texel[0], from[0]);
+        ASSERT_EQ(texel[1], channel == red ? from[0] : channel == red_alpha ? from[3] : from[1]) << channel;
+        ASSERT_EQ(texel[2], channel == red ? from[0] : channel == red_alpha || channel == red_green ? 0 : from[2]);
+        ASSERT_EQ(texel[3], channel == rgba ? from[3] : 255) << channel;
+      }
+    }
+  }
+}
+
+TEST(unit_image_basis, a_second_slice_is_alpha_or_green) {
+  const auto with_channels = [](const char* name, std::initializer_list<std::uint32_t> channels) {
+    Bytes bytes = test::basis_file(name);
+    std::uint32_t at = 0;
+    std::memcpy(&at, bytes.data() + 48, sizeof at);
+    at += 4 + 24 + 3;  // the channel is the last byte of a sample's first word
+    for (const std::uint32_t channel : channels) bytes[at] = static_cast<std::byte>(channel), at += 16;
+    return decode_texture(bytes, "t").pixels;
+  };
+  constexpr std::uint32_t kRgb = 0, kRed = 3, kGreen = 4, kAlpha = 15;
+  const Codes both = with_channels("etc1s_alpha.ktx2", {kRgb, kAlpha}),
+              two = with_channels("etc1s_alpha.ktx2", {kRed, kGreen}), colors = with_channels("etc1s.ktx2", {kRgb}),
+              one = with_channels("etc1s.ktx2", {kRed});
+  ASSERT_EQ(both, decode_texture(test::basis_file("etc1s_alpha.ktx2"), "t").pixels);
+  ASSERT_EQ(colors, decode_texture(test::basis_file("etc1s.ktx2"), "t").pixels);
+  for (std::size_t i = 0; i < both.size(); i += 4)
+    ASSERT_EQ(Codes(&two[i], &two[i] + 4), (Codes{both[i], both[i + 3], 0, 255})) << i / 4;
+  for (std::size_t i = 0; i < colors.size(); i += 4)
+    ASSERT_EQ(Codes(&one[i], &one[i] + 4), (Codes{colors[i], colors[i], colors[i], 255})) << i / 4;
 }
 
 // ----- all modes of UASTC, by blocks that are random but for what names the mode

@@ -186,7 +186,8 @@ TEST(unit_image_hdr, corrections_multiply_and_are_divided_out) {
   // What a program put before it, and what it quotes of its own input, is indented and does not count.
   EXPECT_EQ(read_lines(folder, "\tEXPOSURE=7\n\tCOLORCORR=7 7 7\n").image.rgb(0, 0), vec3(1.0f, 0.5f, 0.25f));
   for (const char* line : {"COLORCORR=1 2\n", "COLORCORR=1 0 1\n", "COLORCORR=1 -2 1\n", "COLORCORR=a b c\n",
-                           "COLORCORR=nan 1 1\n", "COLORCORR=\n", "EXPOSURE=1e-30\nEXPOSURE=1e-30\n", "EXPOSURE=inf\n"})
+                           "COLORCORR=nan 1 1\n", "COLORCORR=\n", "EXPOSURE=1e-30\nEXPOSURE=1e-30\n", "EXPOSURE=inf\n",
+                           "EXPOSURE=-2\nEXPOSURE=-2\n", "COLORCORR=1 -2 1\nCOLORCORR=1 -2 1\n"})
     EXPECT_THROW(read_lines(folder, line), Error) << line;
 }
 

@@ -48,7 +48,9 @@ TEST(unit_image_primaries, what_spans_no_colours_is_refused) {
   for (const Primaries& p : {with(r, g, b, {0.3127, 0.0}), with(r, g, b, {0.0, 0.0}), with(r, g, b, {nan, 0.3}),
                              with(r, g, b, {0.7, 0.25}), with(r, r, b, w), with({0.2, 0.2}, {0.3, 0.3}, {0.4, 0.4}, w),
                              with({inf, 0.3}, g, b, w), with(r, {1e30, -1e30}, b, w), with(r, g, {-1e9, 2.0}, w),
-                             with({}, {}, {}, {}), with(r, g, b, {-0.3, -0.3}), with(r, g, b, {0.6, 0.5})}) {
+                             with({}, {}, {}, {}), with(r, g, b, {-0.3, -0.3}), with(r, g, b, {0.6, 0.5}),
+                             // White is within, of a triangle that is no more than a line.
+                             with({0.6, 0.329}, {0.1, 0.3291}, {0.3127, 0.3286}, w)}) {
     EXPECT_FALSE(xyz_from_rgb(p)) << primaries_text(p);
     EXPECT_FALSE(rec709_from_rgb(p)) << primaries_text(p);
   }

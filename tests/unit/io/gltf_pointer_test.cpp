@@ -293,6 +293,8 @@ TEST(unit_io_gltf_pointer, two_of_the_weights_move_alone) {
   EXPECT_EQ(first(of_mesh), vec3(0.75f, 0, 0.75f));
   animate(of_mesh_one, "/meshes/0/weights/0", {{0, 1}, "SCALAR"});
   EXPECT_EQ(first(of_mesh_one), vec3(0.5f, 0, 0.75f));
+  of_mesh_one.root["meshes"][0].erase("weights");
+  EXPECT_EQ(first(of_mesh_one), vec3(0, 0, 0.75f)) << "weights that the mesh does not have are 0";
 }
 
 TEST(unit_io_gltf_pointer, a_pointer_moves_a_matrix_but_turns_none) {
@@ -326,6 +328,34 @@ TEST(unit_io_gltf_pointer, nodes_are_hidden_and_shown) {
   EXPECT_THAT(pose_error(joined), HasSubstr("must be STEP"));
   animate(wide, pointer, {{1, 0}, "SCALAR", "STEP"});
   EXPECT_THAT(pose_error(wide), HasSubstr("unsigned bytes"));
+}
+
+TEST(unit_io_gltf_pointer, what_some_moments_hide_keeps_its_number_in_all_of_them) {
+  if (!is_supported_extension("KHR_node_visibility")) GTEST_SKIP() << "visibility is not read";
+  // Known meshes keep the material that they had, by its number.
+  Builder b = with_material({{"name", "first"}});
+  b.root["materials"].push_back({{"name", "second"}});
+  b.root["meshes"].push_back(b.root["meshes"][0]);
+  b.root["meshes"][1]["primitives"][0]["material"] = 1;
+  b.root["nodes"].push_back({{"mesh", 1}});
+  b.root["scenes"] = {{{"nodes", {0, 1}}}};
+  b.root["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = false;
+  const int flags = b.accessor(std::vector<std::uint8_t>{0, 1}, "SCALAR", 5121, 1);
+  add_channel(b, pointer_target("/nodes/0/extensions/KHR_node_visibility/visible"), flags, {0, 1}, "STEP");
+  Diagnostics diagnostics;
+  GltfFile file(b.glb(), {}, "test", diagnostics);
+  const Scene rest = file.scene(diagnostics), before = file.scene(diagnostics, Pose{"", 0.5}),
+              after = file.scene(diagnostics, Pose{"", 1.5});
+  EXPECT_EQ(rest.nodes[0].mesh, -1);
+  EXPECT_EQ(before.nodes[0].mesh, -1);
+  EXPECT_EQ(after.nodes[0].mesh, 0);
+  for (const Scene* scene : {&rest, &before, &after}) {
+    ASSERT_EQ(scene->materials.size(), 2u);
+    EXPECT_EQ(scene->materials[1].name, "second");
+    ASSERT_EQ(scene->meshes.size(), 2u);
+    EXPECT_EQ(scene->nodes[1].mesh, 1);
+    EXPECT_EQ(scene->meshes[1].primitives[0].material, 1);
+  }
 }
 
 TEST(unit_io_gltf_pointer, an_index_of_refraction_of_0_is_no_number) {

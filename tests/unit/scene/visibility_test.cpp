@@ -56,6 +56,8 @@ TEST(unit_scene_visibility, what_is_in_front_of_the_camera_is_seen_and_nothing_e
   EXPECT_TRUE(sees_something(scene, orthographic));
   orthographic.world_from_camera[3] = vec4(2, 0, 5, 1);
   EXPECT_FALSE(sees_something(scene, orthographic));
+  orthographic.world_from_camera = look_at(vec3(0, 0, 5), vec3(0, 0, 10), yfov).world_from_camera;
+  EXPECT_FALSE(sees_something(scene, orthographic)) << "behind the camera";
 }
 
 TEST(unit_scene_visibility, a_triangle_counts_where_none_of_its_corners_is_in_the_picture) {
@@ -83,6 +85,13 @@ TEST(unit_scene_visibility, a_vertex_far_out_that_leaves_nothing_to_see_is_found
     EXPECT_NE(found->message.find("node 0 'spike' has a vertex"), std::string::npos) << found->message;
   }
   // A floor that fills the picture, two things far apart, and a subject on a stage are something to see.
+  std::vector<Primitive> crowd(20, cube(0.5f));
+  Primitive floor;
+  floor.positions = {{-500, 0, -500}, {-500, 0, 500}, {500, 0, 500}, {500, 0, -500}};
+  floor.normals.assign(4, vec3(0, 1, 0));
+  floor.triangles = {uvec3(0, 1, 2), uvec3(0, 2, 3)};
+  crowd.push_back(floor);
+  EXPECT_FALSE(find_emptiness(scene_of(crowd)));
   EXPECT_FALSE(find_emptiness(scene_of({cube(500.0f), cube(0.5f)})));
   EXPECT_FALSE(find_emptiness(scene_of({cube(0.5f), cube(0.5f, vec3(300, 0, 0))})));
 }
@@ -151,6 +160,14 @@ TEST(unit_scene_brightness, what_glows_counts_by_its_own_brightness_and_by_what_
   EXPECT_FALSE(outshines(room, furnace(1.0f)));
   room.materials[1].emission = vec3(1e6f);
   EXPECT_TRUE(outshines(room, furnace(1.0f)));
+  // One that is seen on less than a tenth of the surface, and lights next to nothing, decides nothing either.
+  Scene lantern = scene_of({cube(1.0f), cube(0.2f, vec3(0, 1.5f, 0))});
+  lantern.materials.emplace_back();
+  lantern.meshes[0].primitives[1].material = 1;
+  lantern.materials[1].emission = vec3(5);
+  EXPECT_FALSE(outshines(lantern, furnace(1.0f)));
+  lantern.materials[1].emission = vec3(500);
+  EXPECT_TRUE(outshines(lantern, furnace(1.0f)));
   // Unlit surfaces show a colour, and give no light.
   room.materials[1].unlit = true;
   EXPECT_FALSE(outshines(room, furnace(1.0f)));
