@@ -93,7 +93,7 @@ def tools():
         if kind == "fbx":
             lacks["morphed"] = "Assimp takes a single shape whole"
         if kind == "dae":
-            lacks["skinned"] = "Blender does not read its own"
+            lacks.update({"skinned": "Blender does not read its own", "morphed": "written unmorphed"})
         command = with_args(blender, "IN", "OUT")
         all_tools.append(Tool(f"Blender {kind}", command, EXACT, f"out.{kind}", shape=kind != "glb", lacks=lacks))
     return all_tools
