@@ -126,8 +126,9 @@ SceneSource open_archive(std::shared_ptr<const ZipArchive> archive) {
   const std::vector<std::string> found = find_scenes(*archive);
   if (found.empty()) {
     const std::vector<std::string> names = archive->names();
-    throw Error(names.empty() ? "the archive is empty" : "the archive holds no glTF or other scene, but " + listed(names),
-                archive->label());
+    throw Error(
+        names.empty() ? "the archive is empty" : "the archive holds no glTF or other scene, but " + listed(names),
+        archive->label());
   }
   if (found.size() > 1) {
     const char* kind = has_gltf_name(found.front()) ? "glTF files" : "scenes";
