@@ -169,7 +169,7 @@ std::vector<std::string> scenes_below(const fs::path& folder) {
     if (is_scene && at->is_regular_file(ignored)) result.push_back(path.string());
   }
   if (code) throw Error("cannot list the folder: " + code.message(), folder.string());
-  if (result.empty()) throw Error("there is no .gltf or .glb in this folder, and no .zip with one", folder.string());
+  if (result.empty()) throw Error("there is no .gltf, .glb or .zip with one of them in this folder", folder.string());
   std::sort(result.begin(), result.end());
   return result;
 }
