@@ -20,6 +20,7 @@
 #include "cli/progress.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "io/foreign_scene.h"
 #include "io/gltf.h"
 #include "io/gltf_survey.h"
 #include "io/scene_files.h"
@@ -165,11 +166,12 @@ std::vector<std::string> scenes_below(const fs::path& folder) {
     std::error_code ignored;
     const fs::path& path = at->path();
     const bool is_scene = has_extension(path, ".gltf") || has_extension(path, ".glb") ||
+                          io::has_foreign_extension(path) ||
                           (has_extension(path, ".zip") && io::is_scene_archive(path));
     if (is_scene && at->is_regular_file(ignored)) result.push_back(path.string());
   }
   if (code) throw Error("cannot list the folder: " + code.message(), folder.string());
-  if (result.empty()) throw Error("there is no .gltf, .glb or .zip with one of them in this folder", folder.string());
+  if (result.empty()) throw Error("there is no scene in this folder", folder.string());
   std::sort(result.begin(), result.end());
   return result;
 }
@@ -351,7 +353,8 @@ Verb add_check(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("check", "Judge materials, textures and meshes as a physicist would")->group("Verbs");
   verb->add_option("SCENE", options->names,
-                   "Files (.glb, .gltf, a .zip with one of them), folders to search for them, or demo:NAME")
+                   "Files (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf, a .zip with one of them), folders to "
+                   "search for them, or demo:NAME")
       ->required()
       ->type_name("");
   add_root(verb, options->root);

@@ -98,6 +98,7 @@ void describe_extensions(const io::FileInfo& file, Json& json, Table& table) {
 
 /// What the scene does not keep.
 void describe_file(const io::FileInfo& file, Json& json, Table& table) {
+  json["format"] = file.format;
   json["bytes"] = file.file_bytes;
   json["archive_entry"] = file.archive_entry;
   json["generator"] = file.generator;
@@ -122,6 +123,7 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
                                      animation.channels, animation.channels == 1 ? "channel" : "channels"));
   }
   json["skins"] = file.skins;
+  table.row("format", file.format);
   if (!file.archive_entry.empty()) table.row("in archive", file.archive_entry);
   table.row("file size", bytes_text(file.file_bytes));
   if (!file.generator.empty()) table.row("generator", file.generator);
@@ -245,10 +247,10 @@ Verb add_info(CLI::App& app) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("info", "Say what a scene, an image or a texture file holds")->group("Verbs");
-  verb->add_option("FILE", options->file,
-                   "A .glb, a .gltf, a .zip with one of them, a demo:NAME, an .exr (:LAYER), .hdr, .png, .jpg, .webp "
-                   "or .avif image, or "
-                   "a .ktx2, .ktx or .dds texture")
+  verb->add_option(
+          "FILE", options->file,
+          "A scene (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf, a .zip with one of them), a demo:NAME, "
+          "an .exr (:LAYER), .hdr, .png, .jpg, .webp or .avif image, or a .ktx2, .ktx or .dds texture")
       ->required()
       ->type_name("");
   add_root(verb, options->root);

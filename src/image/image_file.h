@@ -47,6 +47,9 @@ ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where
 /// is ignored, as glTF 2.0 §3.8.1 asks for; an AVIF of 10 or 12 bits becomes 16, and is turned as it says.
 TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where);
 
+/// A PNG of 8 bits per channel, which says nothing of how they are encoded.
+std::vector<std::byte> encode_png(const TextureImage& image);
+
 /// How a picture of light from everywhere covers the directions, where the file itself says so (OpenEXR's `envmap`).
 enum class Projection { unsaid, latlong, cube };
 

@@ -225,25 +225,33 @@ TextureImage codec::decode_png(std::span<const std::byte> bytes, const std::stri
 
 namespace {
 
-void write(const std::filesystem::path& path, const DisplayImage& image, bool is_srgb) {
+std::vector<std::byte> encode(const DisplayImage& image, bool is_srgb, const std::string& where) {
   std::vector<std::byte> bytes;
   bytes.reserve(image.rgba.size() / 2);
   std::vector<std::uint8_t> row(static_cast<std::size_t>(image.width) * 3);
   PngWriter writer;
-  if (!writer.png || !writer.info) throw Error("out of memory", path.string());
+  if (!writer.png || !writer.info) throw Error("out of memory", where);
   writer.image = &image;
   writer.opaque = is_opaque(image);
   writer.is_srgb = is_srgb;
   writer.row = row.data();
   writer.out = &bytes;
-  if (!guarded(writer, write_all)) throw Error(std::string("cannot encode PNG: ") + writer.message, path.string());
-  write_file(path, bytes);
+  if (!guarded(writer, write_all)) throw Error(std::string("cannot encode PNG: ") + writer.message, where);
+  return bytes;
 }
 
 }  // namespace
 
-void write_png(const std::filesystem::path& path, const DisplayImage& image) { write(path, image, true); }
+void write_png(const std::filesystem::path& path, const DisplayImage& image) {
+  write_file(path, encode(image, true, path.string()));
+}
 
-void codec::write_png_data(const std::filesystem::path& path, const DisplayImage& image) { write(path, image, false); }
+void codec::write_png_data(const std::filesystem::path& path, const DisplayImage& image) {
+  write_file(path, encode(image, false, path.string()));
+}
+
+std::vector<std::byte> encode_png(const TextureImage& image) {
+  return encode({image.width, image.height, image.pixels}, false, "a texture");
+}
 
 }  // namespace candela

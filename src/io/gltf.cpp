@@ -16,6 +16,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "io/foreign_scene.h"
 #include "io/gltf_animation.h"
 #include "io/gltf_extensions.h"
 #include "io/gltf_files.h"
@@ -526,10 +527,16 @@ GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, st
   if (info) *info = parts_->info;
 }
 
-GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info)
-    : parts_(std::make_unique<Parts>(open_scene(path, options.root), options, diagnostics)) {
+GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info) {
+  SceneSource source = open_gltf(path, options.root, diagnostics);
+  const std::string format = source.format;
+  const std::size_t file_bytes = source.file_bytes;
+  std::vector<ReferencedFile> read = files_of_source(path, source);
+  parts_ = std::make_unique<Parts>(std::move(source), std::move(options), diagnostics);
   parts_->scene_name = path.stem().string();
-  parts_->info.files.insert(parts_->info.files.begin(), {path, ""});
+  parts_->info.format = format;
+  parts_->info.file_bytes = file_bytes;
+  parts_->info.files.insert(parts_->info.files.begin(), read.begin(), read.end());
   if (info) *info = parts_->info;
 }
 

@@ -49,6 +49,7 @@ struct ReferencedFile {
 
 /// What a file says about itself and the scene does not keep.
 struct FileInfo {
+  std::string format = "glTF";  ///< what the file is: the others are read as the glTF that is made of them
   std::string generator;
   std::string version;
   std::string copyright;
@@ -70,11 +71,11 @@ struct FileInfo {
 /// `root` (LoadOptions::root).
 std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path, const std::filesystem::path& root = {});
 
-/// Loads a .gltf or .glb, or the one that a .zip holds, which reads nothing outside of the .zip; told apart by their
-/// content. Every number is checked before it is used; on bad input throws Error whose `where` is the
-/// file and, where there is one, the JSON pointer. An unknown required extension is an Error that names it; unknown
-/// optional ones and recoverable oddities go to `diagnostics`, as notes where they change no pixel. The result passes
-/// validate().
+/// Loads a .gltf or .glb, a file of another format (foreign/formats.h), or the one of them that a .zip holds, which
+/// reads nothing outside of the .zip; told apart by their content. Every number is checked before it is used; on bad
+/// input throws Error whose `where` is the file and, where there is one, the JSON pointer. An unknown required
+/// extension is an Error that names it; unknown optional ones and recoverable oddities go to `diagnostics`, as notes
+/// where they change no pixel. The result passes validate().
 ///
 /// An image that is missing or damaged is a warning; textures of it are as if the file had none, so that the factors
 /// beside them count alone, but what an emissive texture should say glows is dark: a factor is the brightest that the

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "io/foreign_scene.h"
 #include "io/gltf_document.h"
 #include "io/scene_files.h"
 
@@ -77,6 +78,14 @@ std::vector<ReferencedFile> referenced_files(const Json& root, const UriReader& 
   return found;
 }
 
+std::vector<ReferencedFile> files_of_source(const fs::path& path, const SceneSource& source) {
+  std::vector<ReferencedFile> files = {{path, ""}};
+  for (const std::string& name : source.read) {
+    if (fs::path file = source.files.path(name); !file.empty()) files.push_back({std::move(file), ": " + name});
+  }
+  return files;
+}
+
 void check_references(const JsonView& document, const Json& root, const UriReader& uris) {
   visit_uris(root, [&](const std::string& pointer, const std::string& uri) {
     if (const std::string fault = uris.fault(uri); !fault.empty()) throw Error(fault, document.where() + '#' + pointer);
@@ -92,12 +101,12 @@ std::vector<std::pair<std::string, std::string>> names_outside(const Json& root,
 }
 
 std::vector<ReferencedFile> files_of_gltf(const fs::path& path, const fs::path& root) {
-  const SceneSource source = open_scene(path, root);
   Diagnostics ignored;
+  const SceneSource source = open_gltf(path, root, ignored);
   const GltfDocument document(source.bytes, source.label, ignored);
   const UriReader uris(source.files);
-  std::vector<ReferencedFile> files = referenced_files(document.json(), uris);
-  files.insert(files.begin(), {path, ""});
+  std::vector<ReferencedFile> files = files_of_source(path, source);
+  for (ReferencedFile& file : referenced_files(document.json(), uris)) files.push_back(std::move(file));
   return files;
 }
 

@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "image/image_file.h"
+#include "io/foreign_scene.h"
 #include "io/gltf_files.h"
 #include "io/gltf_material.h"
 #include "io/gltf_material_reader.h"
@@ -273,7 +274,8 @@ FileSurvey survey(const SceneSource& source, const SurveyOptions& options) {
 }  // namespace
 
 FileSurvey survey_gltf(const fs::path& path, const SurveyOptions& options) {
-  return survey(open_scene(path, options.root), options);
+  Diagnostics ignored;
+  return survey(open_gltf(path, options.root, ignored), options);
 }
 
 FileSurvey survey_gltf(std::span<const std::byte> bytes, const fs::path& base_folder, const SurveyOptions& options) {

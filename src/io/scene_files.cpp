@@ -6,12 +6,16 @@
 #include <algorithm>
 #include <cctype>
 #include <cstring>
+#include <iterator>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "foreign/formats.h"
+#include "io/foreign_scene.h"
 #include "io/zip_archive.h"
 
 namespace candela::io {
@@ -65,6 +69,11 @@ std::string_view text_of(const std::vector<std::byte>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// A .zip that is no scene itself.
+bool is_archive(std::span<const std::byte> bytes) {
+  return is_zip(bytes) && foreign::recognise(bytes) != foreign::Format::three_mf;
+}
+
 bool is_object_text(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const auto first = text.find_first_not_of(" \t\r\n");
@@ -81,7 +90,7 @@ bool holds_gltf(const ZipArchive& archive, const std::string& name) {
   return text_of(text).find("\"asset\"") != std::string_view::npos;
 }
 
-std::vector<std::string> find_gltf(const ZipArchive& archive) {
+std::vector<std::string> find_scenes(const ZipArchive& archive) {
   std::vector<std::string> found, others;
   for (const std::string& name : archive.names()) {
     if (!has_gltf_name(name)) {
@@ -99,6 +108,9 @@ std::vector<std::string> find_gltf(const ZipArchive& archive) {
       // What cannot be read is no glTF, and nobody has said that it is one.
     }
   }
+  if (!found.empty()) return found;
+  std::copy_if(others.begin(), others.end(), std::back_inserter(found),
+               [](const std::string& name) { return has_foreign_extension(name); });
   return found;
 }
 
@@ -111,16 +123,17 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 SceneSource open_archive(std::shared_ptr<const ZipArchive> archive) {
-  const std::vector<std::string> found = find_gltf(*archive);
+  const std::vector<std::string> found = find_scenes(*archive);
   if (found.empty()) {
     const std::vector<std::string> names = archive->names();
-    throw Error(names.empty() ? "the archive is empty" : "the archive holds no glTF, but " + listed(names),
+    throw Error(names.empty() ? "the archive is empty" : "the archive holds no glTF or other scene, but " + listed(names),
                 archive->label());
   }
   if (found.size() > 1) {
-    throw Error(fmt::format("the archive holds {} glTF files, and it is not said which is meant: {}; unpack it and "
+    const char* kind = has_gltf_name(found.front()) ? "glTF files" : "scenes";
+    throw Error(fmt::format("the archive holds {} {}, and it is not said which is meant: {}; unpack it and "
                             "name one",
-                            found.size(), listed(found)),
+                            found.size(), kind, listed(found)),
                 archive->label());
   }
   SceneSource source;
@@ -191,7 +204,7 @@ void check_inside(const fs::path& file, const fs::path& root) {
 
 bool is_scene_archive(const fs::path& path) {
   try {
-    return is_zip(path) && !find_gltf(ZipArchive(path)).empty();
+    return is_zip(path) && !find_scenes(ZipArchive(path)).empty();
   } catch (const Error&) {
     return false;
   }
@@ -199,12 +212,17 @@ bool is_scene_archive(const fs::path& path) {
 
 SceneSource open_scene(const fs::path& path, const fs::path& root) {
   check_inside(path, root);
-  if (is_zip(path)) return open_archive(std::make_shared<const ZipArchive>(path));
-  return {read_file(path), path.string(), {}, SceneFiles(folder_of(path), root)};
+  std::vector<std::byte> bytes = read_file(path);
+  if (is_archive(bytes)) return open_archive(std::make_shared<const ZipArchive>(path));
+  SceneSource source;
+  source.bytes = std::move(bytes);
+  source.label = path.string();
+  source.files = SceneFiles(folder_of(path), root);
+  return source;
 }
 
 SceneSource open_scene(std::vector<std::byte> bytes, const fs::path& folder, std::string label, const fs::path& root) {
-  if (is_zip(bytes)) return open_archive(std::make_shared<const ZipArchive>(std::move(bytes), std::move(label)));
+  if (is_archive(bytes)) return open_archive(std::make_shared<const ZipArchive>(std::move(bytes), std::move(label)));
   SceneSource source;
   source.bytes = std::move(bytes);
   source.label = std::move(label);

@@ -49,19 +49,23 @@ class SceneFiles {
 /// Throws Error where a file lies outside of `root`, all links resolved; an empty one has no bounds.
 void check_inside(const std::filesystem::path& file, const std::filesystem::path& root);
 
-/// A glTF as it was found: in a file of its own, or alone in a .zip.
+/// A scene as it was found: in a file of its own, or alone in a .zip.
 struct SceneSource {
-  std::vector<std::byte> bytes;  ///< of the .gltf or .glb
+  std::vector<std::byte> bytes;  ///< of the scene
   std::string label;             ///< names it in errors: FILE, or ARCHIVE:FILE
   std::string entry;             ///< its name in the archive; empty where there is none
   SceneFiles files;
+  std::string format;             ///< what the file is ("glTF", "OBJ"…), once open_gltf has looked
+  std::size_t file_bytes = 0;     ///< of the file itself, likewise
+  std::vector<std::string> read;  ///< names of other files that making a glTF of it has read
 };
 
-/// Whether a file is a .zip with a glTF in it, or several. Throws nothing.
+/// Whether a file is a .zip with a scene in it, or several. Throws nothing.
 bool is_scene_archive(const std::filesystem::path& path);
 
 /// Opens a file by its content, never by its name. Throws Error where it lies outside of `root` (when that is not
-/// empty), and for an archive with no glTF or with several, which it names.
+/// empty), and for an archive with no scene or with several, which it names. Beside a glTF other formats do
+/// not count; a 3MF is a .zip, but a scene.
 SceneSource open_scene(const std::filesystem::path& path, const std::filesystem::path& root = {});
 /// The same from memory. What is no archive reads from `folder`, nothing where that is empty.
 SceneSource open_scene(std::vector<std::byte> bytes, const std::filesystem::path& folder, std::string label,

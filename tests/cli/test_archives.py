@@ -137,8 +137,8 @@ class Archives(CliTest):
         self.fails("info", "a.zip", says="holds 40 glTF files.*and 34 more")
 
     def test_archives_without_a_scene_say_what_they_hold(self):
-        self.zip({"a.obj": b"v 0 0 0", "b.mtl": b""})
-        self.fails("info", "a.zip", says="a.zip: the archive holds no glTF, but a.obj, b.mtl")
+        self.zip({"a.txt": b"v 0 0 0", "b.mtl": b""})
+        self.fails("info", "a.zip", says="a.zip: the archive holds no glTF or other scene, but a.txt, b.mtl")
         self.zip({})
         self.fails("info", "a.zip", says="a.zip: the archive is empty")
         self.zip({"a.glb": b"version https://git-lfs.github.com/spec/v1\n"})
