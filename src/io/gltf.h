@@ -21,6 +21,9 @@ struct LoadOptions {
   std::string variant = {};
   /// False: an unknown required extension is a warning, to look into files that cannot be rendered.
   bool refuse_unknown_required = true;
+  /// A folder in which the file and everything it names must lie, all links resolved; what leads out of it is an Error.
+  /// Empty = wherever the names lead.
+  std::filesystem::path root = {};
 };
 
 /// A moment of an animation.
@@ -46,6 +49,7 @@ struct ReferencedFile {
 
 /// What a file says about itself and the scene does not keep.
 struct FileInfo {
+  std::string format = "glTF";  ///< what the file is: the others are read as the glTF that is made of them
   std::string generator;
   std::string version;
   std::string copyright;
@@ -58,17 +62,20 @@ struct FileInfo {
   std::vector<AnimationInfo> animations;
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself
+  std::string archive_entry;   ///< its name in the .zip that holds it; empty where it is a file of its own
   /// All that it names, whether the scene needs them or not, whether they are there or not; first the file itself.
   std::vector<ReferencedFile> files;
 };
 
-/// FileInfo::files without reading more than the document. Throws Error where it is none.
-std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path);
+/// FileInfo::files without reading more than the document. Throws Error where it is none, and where it lies outside of
+/// `root` (LoadOptions::root).
+std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path, const std::filesystem::path& root = {});
 
-/// Loads a .gltf or .glb. Every number is checked before it is used; on bad input throws Error whose `where` is the
-/// file and, where there is one, the JSON pointer. An unknown required extension is an Error that names it; unknown
-/// optional ones and recoverable oddities go to `diagnostics`, as notes where they change no pixel. The result passes
-/// validate().
+/// Loads a .gltf or .glb, a file of another format (foreign/formats.h), or the one of them that a .zip holds, which
+/// reads nothing outside of the .zip; told apart by their content. Every number is checked before it is used; on bad
+/// input throws Error whose `where` is the file and, where there is one, the JSON pointer. An unknown required
+/// extension is an Error that names it; unknown optional ones and recoverable oddities go to `diagnostics`, as notes
+/// where they change no pixel. The result passes validate().
 ///
 /// An image that is missing or damaged is a warning; textures of it are as if the file had none, so that the factors
 /// beside them count alone, but what an emissive texture should say glows is dark: a factor is the brightest that the

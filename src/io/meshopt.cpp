@@ -276,19 +276,20 @@ void unpack_attributes(std::span<const std::uint8_t> packed, std::size_t count, 
 
 // ----- modes 1 and 2: indices
 
-/// Writes indices of two or four bytes.
+/// Writes indices of type T.
+template <class T>
 class IndexWriter {
  public:
-  IndexWriter(std::uint8_t* out, std::size_t stride) : out_(out), stride_(stride) {}
+  explicit IndexWriter(std::uint8_t* out) : out_(out) {}
 
   void add(std::uint32_t index) {
-    std::memcpy(out_, &index, stride_);  // of little-endian numbers the low half comes first
-    out_ += stride_;
+    const T narrow = static_cast<T>(index);
+    std::memcpy(out_, &narrow, sizeof narrow);
+    out_ += sizeof narrow;
   }
 
  private:
   std::uint8_t* out_;
-  std::size_t stride_;
 };
 
 static_assert(std::endian::native == std::endian::little);
@@ -311,9 +312,10 @@ class Recent {
 };
 
 /// The state of the triangle codec.
+template <class T>
 class TriangleDecoder {
  public:
-  TriangleDecoder(Stream data, const std::uint8_t* aux, IndexWriter out) : data_(data), aux_(aux), out_(out) {}
+  TriangleDecoder(Stream data, const std::uint8_t* aux, IndexWriter<T> out) : data_(data), aux_(aux), out_(out) {}
 
   void decode(std::uint8_t code) {
     if (code < 0xF0) {
@@ -386,13 +388,14 @@ class TriangleDecoder {
 
   Stream data_;
   const std::uint8_t* aux_;
-  IndexWriter out_;
+  IndexWriter<T> out_;
   Recent<Edge> edges_;
   Recent<std::uint32_t> vertices_;
   std::uint32_t next_ = 0, last_ = 0;
 };
 
-void unpack_triangles(std::span<const std::uint8_t> packed, std::size_t count, IndexWriter out) {
+template <class T>
+void unpack_triangles(std::span<const std::uint8_t> packed, std::size_t count, IndexWriter<T> out) {
   if (packed.empty() || packed[0] != 0xE1) damaged("it has no header of triangles");
   const std::size_t triangles = count / 3;
   if (packed.size() < 1 + triangles + kTriangleTail) damaged("it ends too early");
@@ -401,12 +404,13 @@ void unpack_triangles(std::span<const std::uint8_t> packed, std::size_t count, I
     if ((end[i] & 15) == 15 || end[i] >> 4 == 15 || (i >= 14 && end[i] != 0)) damaged("its table of codes is wrong");
   }
   const std::uint8_t* codes = packed.data() + 1;
-  TriangleDecoder decoder(Stream(codes + triangles, end), end, out);
+  TriangleDecoder<T> decoder(Stream(codes + triangles, end), end, out);
   for (std::size_t i = 0; i < triangles; ++i) decoder.decode(codes[i]);
   decoder.finish();
 }
 
-void unpack_indices(std::span<const std::uint8_t> packed, std::size_t count, IndexWriter out) {
+template <class T>
+void unpack_indices(std::span<const std::uint8_t> packed, std::size_t count, IndexWriter<T> out) {
   if (packed.empty() || packed[0] != 0xD1) damaged("it has no header of indices");
   if (packed.size() < 1 + kIndexTail) damaged("it ends too early");
   Stream in(packed.data() + 1, packed.data() + packed.size() - kIndexTail);
@@ -460,10 +464,12 @@ std::vector<std::byte> decode_meshopt(std::span<const std::byte> packed, const M
       apply_meshopt_filter(layout, out);
       break;
     case MeshoptLayout::Mode::triangles:
-      unpack_triangles(in, layout.count, IndexWriter(out, layout.stride));
+      if (layout.stride == 2) unpack_triangles(in, layout.count, IndexWriter<std::uint16_t>(out));
+      if (layout.stride == 4) unpack_triangles(in, layout.count, IndexWriter<std::uint32_t>(out));
       break;
     case MeshoptLayout::Mode::indices:
-      unpack_indices(in, layout.count, IndexWriter(out, layout.stride));
+      if (layout.stride == 2) unpack_indices(in, layout.count, IndexWriter<std::uint16_t>(out));
+      if (layout.stride == 4) unpack_indices(in, layout.count, IndexWriter<std::uint32_t>(out));
       break;
   }
   return result;

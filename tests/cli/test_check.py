@@ -692,7 +692,7 @@ class Files(CheckTest):
         self.assertEqual((report["readable"], report["findings"][0]["code"]), (False, "unreadable"))
         self.assertIn("no such file", report["reason"])
         (self.folder / "empty").mkdir()
-        self.fails("check", "empty", says="no .gltf or .glb")
+        self.fails("check", "empty", says="there is no scene in this folder")
 
     def test_strict(self):
         self.write(self.quad_of(pbr((0, 0, 0))))

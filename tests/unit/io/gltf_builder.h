@@ -75,15 +75,16 @@ struct Builder {
   std::string gltf() const {
     json document = root;
     if (!binary.empty() && !document.contains("buffers")) {
-      document["buffers"] = {
-          {{"byteLength", binary.size()}, {"uri", "data:application/octet-stream;base64," + base64(binary)}}};
+      document["buffers"] = json::array(
+          {{{"byteLength", binary.size()}, {"uri", "data:application/octet-stream;base64," + base64(binary)}}});
     }
     return document.dump();
   }
 
   std::vector<std::byte> glb() const {
     json document = root;
-    if (!binary.empty() && !document.contains("buffers")) document["buffers"] = {{{"byteLength", binary.size()}}};
+    if (!binary.empty() && !document.contains("buffers"))
+      document["buffers"] = json::array({{{"byteLength", binary.size()}}});
     std::string text = document.dump();
     text.resize((text.size() + 3) / 4 * 4, ' ');
     std::vector<std::byte> chunk = binary;
@@ -109,6 +110,8 @@ struct Builder {
   }
 };
 
+// Lists are json::array, because {x} of one element is a copy of x to clang and a list to g++.
+
 /// One triangle in z = 0, counter-clockwise seen from +z, indexed, with normals and uvs, on one node.
 inline Builder triangle() {
   Builder b;
@@ -116,11 +119,11 @@ inline Builder triangle() {
   const int normals = b.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1});
   const int uvs = b.vec2s({0, 1, 1, 1, 0, 0});
   const int indices = b.indices({0, 1, 2});
-  b.root["meshes"] = {{{"primitives",
-                        {{{"attributes", {{"POSITION", positions}, {"NORMAL", normals}, {"TEXCOORD_0", uvs}}},
-                          {"indices", indices}}}}}};
-  b.root["nodes"] = {{{"mesh", 0}}};
-  b.root["scenes"] = {{{"nodes", {0}}}};
+  json first = {{"attributes", {{"POSITION", positions}, {"NORMAL", normals}, {"TEXCOORD_0", uvs}}},
+                {"indices", indices}};
+  b.root["meshes"] = json::array({{{"primitives", json::array({std::move(first)})}}});
+  b.root["nodes"] = json::array({{{"mesh", 0}}});
+  b.root["scenes"] = json::array({{{"nodes", json::array({0})}}});
   b.root["scene"] = 0;
   return b;
 }
@@ -146,7 +149,7 @@ inline void add_texture(Builder& b) {
 /// The triangle with a material; tests fill `b.root["materials"][0]`.
 inline Builder with_material(const json& material) {
   Builder b = triangle();
-  b.root["materials"] = {material};
+  b.root["materials"] = json::array({material});
   primitive(b)["material"] = 0;
   return b;
 }

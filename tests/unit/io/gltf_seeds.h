@@ -37,9 +37,9 @@ inline Builder dressed() {
         "specularGlossinessTexture": {"index": 0}}}})"));
   b.root["materials"].push_back({{"extensions", {{"KHR_materials_unlit", json::object()}}}});
   add_texture(b);
-  b.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "glossy"}}, {{"name", "flat"}}};
-  primitive(b)["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}},
-                                                                      {{"material", 2}, {"variants", {1}}}};
+  b.root["extensions"]["KHR_materials_variants"]["variants"] = json::array({{{"name", "glossy"}}, {{"name", "flat"}}});
+  primitive(b)["extensions"]["KHR_materials_variants"]["mappings"] = json::array(
+      {{{"material", 1}, {"variants", json::array({0})}}, {{"material", 2}, {"variants", json::array({1})}}});
   return b;
 }
 
@@ -55,28 +55,29 @@ inline Builder moving() {
   const int up = b.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1});
   const int joints = b.accessor(std::vector<std::uint8_t>(12, 0), "VEC4", 5121, 4);
   const int weights = b.vec4s({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
-  primitive(b)["targets"] = {{{"POSITION", up}}};
+  primitive(b)["targets"] = json::array({{{"POSITION", up}}});
   primitive(b)["attributes"]["JOINTS_0"] = joints;
   primitive(b)["attributes"]["WEIGHTS_0"] = weights;
   const int places = b.vec3s({0, 0, 0, 1, 0, 0});
   b.root["nodes"] = json::parse(R"([{"children": [1, 2]}, {"mesh": 0, "skin": 0}, {"mesh": 0}])");
   b.root["nodes"][2]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = places;
-  b.root["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+  b.root["extensionsUsed"] = json::array({"EXT_mesh_gpu_instancing"});
   b.root["skins"] = json::parse(R"([{"joints": [0]}])");
   const int times = b.floats({0, 1}, "SCALAR", 1);
-  b.root["accessors"][static_cast<std::size_t>(times)]["max"] = {1};
+  b.root["accessors"][static_cast<std::size_t>(times)]["max"] = json::array({1});
   const int moves = b.vec3s({0, 0, 0, 1, 2, 3}), turns = b.vec4s({0, 0, 0, 1, 0, 0, 1, 0});
   const int spline = b.vec3s({0, 0, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0, 2, 2, 2, 0, 0, 0});
   const int shares = b.floats({0, 1}, "SCALAR", 1);
-  b.root["animations"] = {{{"samplers",
-                            {{{"input", times}, {"output", moves}, {"interpolation", "STEP"}},
-                             {{"input", times}, {"output", turns}},
-                             {{"input", times}, {"output", spline}, {"interpolation", "CUBICSPLINE"}},
-                             {{"input", times}, {"output", shares}}}},
-                           {"channels", json::parse(R"([{"sampler": 0, "target": {"node": 0, "path": "translation"}},
+  b.root["animations"] =
+      json::array({{{"samplers",
+                     {{{"input", times}, {"output", moves}, {"interpolation", "STEP"}},
+                      {{"input", times}, {"output", turns}},
+                      {{"input", times}, {"output", spline}, {"interpolation", "CUBICSPLINE"}},
+                      {{"input", times}, {"output", shares}}}},
+                    {"channels", json::parse(R"([{"sampler": 0, "target": {"node": 0, "path": "translation"}},
                                     {"sampler": 1, "target": {"node": 0, "path": "rotation"}},
                                     {"sampler": 2, "target": {"node": 0, "path": "scale"}},
-                                    {"sampler": 3, "target": {"node": 1, "path": "weights"}}])")}}};
+                                    {"sampler": 3, "target": {"node": 1, "path": "weights"}}])")}}});
   return b;
 }
 
@@ -87,12 +88,12 @@ inline Builder pointed() {
       "extensions": {"KHR_texture_transform": {}}}}, "extensions": {"KHR_materials_ior": {}, "KHR_materials_anisotropy": {},
       "KHR_materials_iridescence": {}, "KHR_materials_volume": {}}})"));
   add_texture(b);
-  primitive(b)["targets"] = {{{"POSITION", b.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1})}}};
+  primitive(b)["targets"] = json::array({{{"POSITION", b.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1})}}});
   b.root["nodes"] = json::parse(R"([{"mesh": 0, "children": [1], "extensions": {"KHR_node_visibility": {}}},
     {"camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}])");
   b.root["cameras"] = json::parse(R"([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}])");
   b.root["extensions"]["KHR_lights_punctual"]["lights"] = json::parse(R"([{"type": "spot", "range": 2, "spot": {}}])");
-  b.root["extensionsUsed"] = {"KHR_animation_pointer"};
+  b.root["extensionsUsed"] = json::array({"KHR_animation_pointer"});
   const int times = b.floats({0, 0.75f}, "SCALAR", 1);
   b.root["accessors"][static_cast<std::size_t>(times)]["max"] = {0.75};
   json& animation = b.root["animations"][0];
@@ -137,9 +138,9 @@ inline std::vector<Builder> seed_files() {
   add_texture(material);
   material.root["images"].push_back({{"uri", "data:image/png;base64," + base64(tiny_png())}});
   material.root["textures"].push_back({{"source", 1}, {"sampler", 0}});
-  material.root["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}}};
-  material.root["extensionsUsed"] = {"KHR_materials_ior", "KHR_texture_transform", "KHR_texture_basisu"};
-  material.root["extensionsRequired"] = {"KHR_texture_transform"};
+  material.root["samplers"] = json::array({{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}}});
+  material.root["extensionsUsed"] = json::array({"KHR_materials_ior", "KHR_texture_transform", "KHR_texture_basisu"});
+  material.root["extensionsRequired"] = json::array({"KHR_texture_transform"});
   seeds.push_back(material);
 
   seeds.push_back(layered());
@@ -156,15 +157,16 @@ inline std::vector<Builder> seed_files() {
       skinned.accessor(std::vector<std::uint16_t>{0, 0, 0, 13107, 65535, 0, 0, 0, 0}, "VEC3", 5123, 3, true);
   std::vector<float> matrices(32, 0.0f);
   for (const std::size_t i : {0U, 5U, 10U, 15U, 16U, 21U, 26U, 31U}) matrices[i] = 1;
-  skinned.root["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", skinned.floats(matrices, "MAT4", 16)}}};
-  primitive(skinned)["targets"] = {{{"POSITION", skinned.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1})}},
-                                   {{"NORMAL", skinned.vec3s({0, 1, 0, 0, 1, 0, 0, 1, 0})}}};
+  skinned.root["skins"] =
+      json::array({{{"joints", {1, 2}}, {"inverseBindMatrices", skinned.floats(matrices, "MAT4", 16)}}});
+  primitive(skinned)["targets"] = json::array({{{"POSITION", skinned.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1})}},
+                                               {{"NORMAL", skinned.vec3s({0, 1, 0, 0, 1, 0, 0, 1, 0})}}});
   skinned.root["meshes"][0]["weights"] = {0.5, 0.5};
-  skinned.root["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"children", {3}}, {"weights", {1, 0}}},
-                           {{"translation", {0, 0, 5}}, {"children", {2}}},
-                           {{"rotation", {0, 0.6, 0, 0.8}}, {"scale", {2, 2, -2}}},
-                           {{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1}}, {"mesh", 0}}};
-  skinned.root["scenes"] = {{{"nodes", {0, 1}}, {"name", "scene"}}};
+  skinned.root["nodes"] = json::array({{{"mesh", 0}, {"skin", 0}, {"children", json::array({3})}, {"weights", {1, 0}}},
+                                       {{"translation", {0, 0, 5}}, {"children", json::array({2})}},
+                                       {{"rotation", {0, 0.6, 0, 0.8}}, {"scale", {2, 2, -2}}},
+                                       {{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1}}, {"mesh", 0}}});
+  skinned.root["scenes"] = json::array({{{"nodes", {0, 1}}, {"name", "scene"}}});
   seeds.push_back(skinned);
 
   Builder strips = triangle();
@@ -184,30 +186,32 @@ inline std::vector<Builder> seed_files() {
       strips.accessor(std::vector<std::int8_t>{0, 0, 0, 0, 127, 0, 0, 0, 0, 127, 0, 0, 127, 127, 0, 0, -127, 127, 0, 0},
                       "VEC4", 5120, 4, true);
   (void)bytes;
-  strips.root["meshes"][0]["primitives"] = {{{"attributes", {{"POSITION", positions}}}, {"mode", 5}},
-                                            {{"attributes", {{"POSITION", sparse}}}, {"mode", 6}},
-                                            {{"attributes", {{"POSITION", positions}}}, {"mode", 1}}};
+  strips.root["meshes"][0]["primitives"] = json::array({{{"attributes", {{"POSITION", positions}}}, {"mode", 5}},
+                                                        {{"attributes", {{"POSITION", sparse}}}, {"mode", 6}},
+                                                        {{"attributes", {{"POSITION", positions}}}, {"mode", 1}}});
   seeds.push_back(strips);
 
   Builder lights = triangle();
-  lights.root["extensionsUsed"] = {"KHR_lights_punctual"};
-  lights.root["extensions"]["KHR_lights_punctual"]["lights"] = {
-      {{"type", "spot"},
-       {"color", {1, 0.5, 0}},
-       {"intensity", 20},
-       {"range", 4},
-       {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}},
-      {{"type", "directional"}}};
+  lights.root["extensionsUsed"] = json::array({"KHR_lights_punctual"});
+  lights.root["extensions"]["KHR_lights_punctual"]["lights"] =
+      json::array({{{"type", "spot"},
+                    {"color", {1, 0.5, 0}},
+                    {"intensity", 20},
+                    {"range", 4},
+                    {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}},
+                   {{"type", "directional"}}});
   lights.root["extensions"]["KHR_lights_punctual"]["lights"][0]["extras"]["candela"] = {
       {"temperature_k", 3000}, {"falloff", "polynomial"}, {"polynomial", {1, 0.5, 0.1}}, {"lumens", 800}};
   const std::string ies = tiny_ies();
-  lights.root["extensions"]["EXT_lights_ies"]["lights"] = {
-      {{"bufferView", lights.view(std::vector<char>(ies.begin(), ies.end()))},
-       {"mimeType", "application/x-ies-lm-63"}}};
-  lights.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"aspectRatio", 1.5}}}},
-                            {{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", 3}}}}};
-  lights.root["nodes"] = {{{"camera", 0}, {"mesh", 0}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
-                          {{"camera", 1}, {"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}}};
+  lights.root["extensions"]["EXT_lights_ies"]["lights"] =
+      json::array({{{"bufferView", lights.view(std::vector<char>(ies.begin(), ies.end()))},
+                    {"mimeType", "application/x-ies-lm-63"}}});
+  lights.root["cameras"] =
+      json::array({{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"aspectRatio", 1.5}}}},
+                   {{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", 3}}}}});
+  lights.root["nodes"] =
+      json::array({{{"camera", 0}, {"mesh", 0}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
+                   {{"camera", 1}, {"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}}});
   lights.root["nodes"][1]["extensions"]["EXT_lights_ies"] = {{"light", 0}, {"multiplier", 2}, {"color", {1, 0.5, 0}}};
   seeds.push_back(lights);
   return seeds;

@@ -1,0 +1,104 @@
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "image/develop.h"
+#include "unit/image/webp_avif_files.h"
+#include "unit/io/draco_files.h"
+#include "unit/io/gltf_seeds.h"
+#include "unit/io/meshopt_files.h"
+#include "unit/io/zip_builder.h"
+
+namespace {
+
+using namespace candela;
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::byte>;
+
+Bytes bytes_of(std::string_view text) {
+  Bytes bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  return bytes;
+}
+
+/// What decode_meshopt_fuzz reads.
+std::vector<Bytes> meshopt_seeds() {
+  std::vector<Bytes> seeds;
+  for (const io::test::Packed& packed : io::test::kPacked) {
+    const auto count = static_cast<unsigned>(packed.count);
+    Bytes bytes = {static_cast<std::byte>(packed.mode), static_cast<std::byte>(packed.filter),
+                   static_cast<std::byte>(count & 255), static_cast<std::byte>(count >> 8),
+                   static_cast<std::byte>(packed.stride)};
+    const Bytes stream = packed.bytes();
+    bytes.insert(bytes.end(), stream.begin(), stream.end());
+    seeds.push_back(std::move(bytes));
+  }
+  return seeds;
+}
+
+std::vector<Bytes> zip_seeds() {
+  std::vector<Bytes> seeds;
+  for (const auto& seed : io::test::seed_files()) {
+    seeds.push_back(io::test::zip_of({{"model/scene.glb", seed.glb()}, {"readme.txt", bytes_of("a scene")}}));
+    seeds.push_back(io::test::zip_of({{"scene.gltf", bytes_of(seed.gltf())}}, seeds.size() % 4 == 1));
+    if (seeds.size() > 12) break;
+  }
+  seeds.push_back(io::test::zip_of({{"a.glb", bytes_of("glTF")}, {"b/c.gltf", bytes_of("{}")}}, false));
+  // The end of an empty archive.
+  seeds.push_back(bytes_of("PK\5\6"));
+  seeds.back().resize(22);
+  return seeds;
+}
+
+std::vector<Bytes> draco_seeds() {
+  return {io::test::draco_strip(12, 10, true), io::test::draco_strip(12, 0, true), io::test::draco_strip(30, 5, false),
+          io::test::draco_strip(30, 7, true)};
+}
+
+std::vector<Bytes> ies_seeds() {
+  return {bytes_of("IESNA:LM-63-2002\n[TEST] a\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 100\n0 45 90\n0\n1000 500 0\n"),
+          bytes_of("IESNA91\nTILT=INCLUDE\n1\n2\n0 90\n1 0.9\n2 500 2 2 3 2 1 -0.1 0.1 0.2\n1 1 10\n0 180\n0 90 180\n"
+                   "1 2 3 4 5 6\n")};
+}
+
+std::vector<Bytes> written_pictures(const std::string& extension) {
+  const DisplayImage image{9, 5, std::vector<std::uint8_t>(9 * 5 * 4, 200)};
+  const fs::path path = fs::temp_directory_path() / ("candela-seed" + extension);
+  extension == ".png" ? write_png(path, image) : write_jpeg(path, image);
+  Bytes bytes = read_file(path);
+  fs::remove(path);
+  return {std::move(bytes)};
+}
+
+std::vector<Bytes> seeds_of(const std::string& kind) {
+  if (kind == "webp") return test::webp_seeds();
+  if (kind == "avif") return test::avif_seeds();
+  if (kind == "png" || kind == "jpg") return written_pictures("." + kind);
+  if (kind == "meshopt") return meshopt_seeds();
+  if (kind == "draco") return draco_seeds();
+  if (kind == "zip") return zip_seeds();
+  if (kind == "ies") return ies_seeds();
+  throw Error("no such corpus", kind);
+}
+
+}  // namespace
+
+/// Writes the files of a kind that fuzzing starts from into the folder given.
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::cerr << "usage: make_corpus webp|avif|png|jpg|meshopt|draco|zip|ies FOLDER\n";
+    return 2;
+  }
+  try {
+    const fs::path folder = argv[2];
+    fs::create_directories(folder);
+    int i = 0;
+    for (const Bytes& seed : seeds_of(argv[1])) write_file(folder / ("seed_" + std::to_string(i++)), seed);
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}
