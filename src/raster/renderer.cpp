@@ -644,8 +644,11 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
                 slice_.w);
   }
   if (pass.is_in_body) {
-    const vec3 extinction = volume_extinction(scene_->materials[static_cast<std::size_t>(body_)]);
+    const Material& body = scene_->materials[static_cast<std::size_t>(body_)];
+    const vec3 extinction = volume_extinction(body);
     glUniform3fv(program.uniform("body_extinction"), 1, &extinction.x);
+    const float index = std::max(body.ior, 1.0f);
+    glUniform1f(program.uniform("body_share"), 1.0f / (index * index));
   }
   if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.number + 1));
   gpu_.bind_material(material, program);

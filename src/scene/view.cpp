@@ -164,7 +164,7 @@ View scene_camera(const Scene& scene, const std::string& number_or_name, float a
   const Node* const node = find_camera_node(scene, number_or_name);
   if (node == nullptr) {
     throw Error(scene.cameras.empty() ? "the scene has no camera, so none is called \"" + number_or_name + "\""
-                                      : "no camera \"" + number_or_name + "\"; there are " + camera_list(scene));
+                                      : "no camera \"" + number_or_name + "\" (known: " + camera_list(scene) + ")");
   }
   return scene_camera(scene, *node, aspect);
 }

@@ -202,5 +202,26 @@ TEST_F(law_raster_glass, without_glass_or_before_the_environment_there_is_nothin
   EXPECT_TRUE(draw(b.build(), constant_environment(vec3(1.0f)), s).through.empty());
 }
 
+TEST_F(law_raster_glass, what_is_in_a_body_with_the_eye_is_as_bright_as_for_the_path_tracer) {
+  Material water = plastic(vec3(1.0f), 0.0f);
+  water.transmission = 1.0f, water.thickness = 8.0f, water.ior = 1.5f;
+  water.attenuation_distance = 2.0f;
+  const View view = look_at({0, 0, 2}, vec3(0.0f), 0.6f);
+  for (const Material& seen : {unlit(vec3(0.5f)), lamp(vec3(3.0f)), matte(vec3(0.8f))}) {
+    const bool is_lit = max_component(seen.emission) <= 0.0f && !seen.unlit;  // over a way that takes nothing
+    water.attenuation_color = is_lit ? vec3(1.0f) : vec3(0.5f, 0.9f, 1.0f);
+    SceneBuilder b;
+    b.add(box(vec3(-4.0f), vec3(4.0f)), water);
+    b.add(quad({-2, -2, -1}, {4, 0, 0}, {0, 4, 0}), seen);
+    if (is_lit) b.add_light(point_light(vec3(1.0f), 20.0f), translation({0, 0, 3}));
+    const Scene scene = b.build();
+    const vec3 expected(mean_of(shoot(scene, dark_environment(), view, settings(8, 64, 1)).beauty));
+    raster::Settings drawn;
+    drawn.width = drawn.height = 8;
+    const vec3 found(mean_of(test::draw(scene, dark_environment(), view, drawn).beauty));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c] / expected[c], 1.0f, 0.03f);
+  }
+}
+
 }  // namespace
 }  // namespace candela

@@ -52,6 +52,9 @@ uniform ivec4 depth_slice;  // the layers between which a draw shows what is the
 #endif
 #ifdef IN_BODY
 uniform vec3 body_extinction;
+#ifndef HAS_TRANSMISSION
+uniform float body_share;  // of radiance in it that is left outside, where the lens is: 1 over the square of its index
+#endif
 #endif
 
 layout(location = 0) out vec4 o_color;
@@ -779,7 +782,12 @@ bool is_elsewhere() {
 vec3 passing_body() {
   float boundary = texelFetch(depth_layers, ivec3(ivec2(gl_FragCoord.xy), 1), 0).x;
   if (gl_FragCoord.z - layer_slack() > boundary) return vec3(1.0);
-  return exp(-body_extinction * distance(eye.xyz, v_position));
+  vec3 passing = exp(-body_extinction * distance(eye.xyz, v_position));
+#ifndef HAS_TRANSMISSION
+  // What enters through the boundary has risen by as much as falls at the lens; what is seen through glass has fallen.
+  passing *= body_share;
+#endif
+  return passing;
 }
 #endif
 

@@ -80,7 +80,7 @@ TEST(unit_scene_view, cameras_are_known_by_the_number_that_their_file_gives_them
     scene_camera(scene, "1", 1.0f);
     FAIL() << "the file has it, and this scene has not";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "no camera \"1\"; there are 2, 0");
+    EXPECT_STREQ(error.what(), "no camera \"1\" (known: 2, 0)");
   }
   // Of a scene made in memory the place is the number.
   for (Camera& camera : scene.cameras) camera.file_index = -1;
