@@ -212,6 +212,13 @@ void describe_cameras(const Scene& scene, Json& json, Table& table) {
       entry["height_m"] = 2.0f * o->ymag;
       text += fmt::format(", orthographic, {:.4g} x {:.4g} m", 2.0f * o->xmag, 2.0f * o->ymag);
     }
+    entry["near_m"] = camera.near_plane;
+    entry["far_m"] = number_or_null(camera.far_plane);
+    if (camera.far_plane < kInfinity) {
+      text += fmt::format(", sees {:.4g} to {:.4g} m", camera.near_plane, camera.far_plane);
+    } else if (camera.near_plane > 0.0f) {
+      text += fmt::format(", sees from {:.4g} m", camera.near_plane);
+    }
     json["cameras"].push_back(std::move(entry));
     lines.push_back(std::move(text));
   }

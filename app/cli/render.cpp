@@ -217,6 +217,9 @@ Scene scene_at(const RenderOptions& o, Job& job, double moment_s) {
   if (job.is_moving) pose = Pose{o.animation.value_or(""), moment_s};
   Scene scene = job.asset.scene(pose);
   if (o.light_falloff) set_falloff(*o.light_falloff, scene);
+  for (Camera& camera : scene.cameras) {
+    if (o.ignores_planes) camera.near_plane = 0.0f, camera.far_plane = kInfinity;
+  }
   return scene;
 }
 

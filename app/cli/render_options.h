@@ -52,6 +52,7 @@ struct RenderOptions {
   std::optional<Orbit> orbit;
   std::optional<vec3> eye;
   std::optional<vec3> target;
+  bool ignores_planes = false;  ///< of the file's cameras
   std::optional<float> fov;
   std::optional<float> f_number;
   std::optional<float> focus_distance;

@@ -80,7 +80,27 @@ FileInfo read_info(const GltfDocument& document, std::size_t file_bytes) {
   return info;
 }
 
-Camera read_camera(const JsonView& json) {
+/// The planes between which a camera sees (glTF 2.0 §5.13.3 and §5.14); what makes no sense is left out.
+void read_planes(const JsonView& projection, bool is_perspective, Camera& camera, Warnings& warnings) {
+  const float near = projection.real_or("znear", 0.0f);
+  const auto zfar = projection.find("zfar");
+  const float far = zfar ? zfar->real() : kInfinity;
+  const bool has_near = near > 0.0f || (near == 0.0f && (!is_perspective || !projection.find("znear")));
+  if (!has_near) {
+    warnings.warn(fmt::format("a znear of {} is out of range; the camera sees what is near, too", near), projection);
+  } else {
+    camera.near_plane = near;
+  }
+  if (far > camera.near_plane) {
+    camera.far_plane = far;
+  } else {
+    warnings.warn(
+        fmt::format("a zfar of {} is not beyond the znear of {}; the camera sees what is far, too", far, near),
+        projection);
+  }
+}
+
+Camera read_camera(const JsonView& json, Warnings& warnings) {
   Camera camera;
   camera.name = json.string_or("name");
   const std::string type = json.at("type").string();
@@ -94,6 +114,7 @@ Camera read_camera(const JsonView& json) {
       if (!(*result.aspect_ratio > 0)) throw ratio->error("must be positive");
     }
     camera.projection = result;
+    read_planes(perspective, true, camera, warnings);
   } else if (type == "orthographic") {
     const JsonView orthographic = json.at("orthographic");
     OrthographicCamera result;
@@ -102,6 +123,7 @@ Camera read_camera(const JsonView& json) {
     result.ymag = std::fabs(orthographic.at("ymag").real());
     if (result.xmag == 0 || result.ymag == 0) throw orthographic.error("xmag and ymag must not be 0");
     camera.projection = result;
+    read_planes(orthographic, false, camera, warnings);
   } else {
     throw json.at("type").error("must be perspective or orthographic");
   }
@@ -317,7 +339,7 @@ void Loader::read_cameras_and_lights() {
   }
   for (auto& [file_index, index] : camera_of_file_) {
     index = static_cast<int>(scene_.cameras.size());
-    scene_.cameras.push_back(read_camera(root_.at("cameras")[file_index]));
+    scene_.cameras.push_back(read_camera(root_.at("cameras")[file_index], warnings_));
     scene_.cameras.back().file_index = static_cast<int>(file_index);
   }
   LightReader lights(root_, buffers_, uris_, warnings_, scene_);

@@ -117,8 +117,9 @@ TextureSlot MaterialReader::slot(const JsonView& owner, const char* key) {
     set = transform->whole_or("texCoord", set);
     read_transform(*transform, result);
   }
-  if (set > 1) {
-    warn(fmt::format("{} uses TEXCOORD_{}; only sets 0 and 1 are supported, so it is ignored", key, set), *info);
+  constexpr std::uint64_t kHighestSet = 999;  // no file has as many
+  if (set > kHighestSet) {
+    warn(fmt::format("{} uses TEXCOORD_{}, which is beyond {}, and is ignored", key, set, kHighestSet), *info);
     return {};
   }
   if (!root_.at("textures")[texture].find("source")) {

@@ -211,8 +211,8 @@ FileSurvey::Primitive Surveyor::survey_primitive(const JsonView& json) {
   result.has_tangents = attributes.find("TANGENT") && attributes.find("NORMAL");
   std::set<int> missing;
   for (const TextureSlot* slot : texture_slots(materials_.materials[static_cast<std::size_t>(result.material)])) {
-    const char* name = slot->uv_set == 0 ? "TEXCOORD_0" : "TEXCOORD_1";
-    if (*slot && !attributes.find(name)) missing.insert(slot->uv_set);
+    if (*slot && !attributes.find(uv_set_name(static_cast<std::size_t>(slot->uv_set)).c_str()))
+      missing.insert(slot->uv_set);
   }
   result.missing_uv_sets.assign(missing.begin(), missing.end());
   return result;

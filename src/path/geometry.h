@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "path/medium.h"
@@ -44,10 +45,12 @@ struct MeshData {
   std::vector<uvec3> triangles;
   std::vector<vec4> tangents;
   std::vector<vec2> uv1;
+  std::vector<std::pair<int, std::vector<vec2>>> more_uvs;  ///< further sets, by number
   std::vector<vec4> colors;
   const MaterialData* material = nullptr;
   bool is_mirrored = false;  ///< in world space, by a node of negative determinant: the winding is reversed
 
+  /// Without such a set the first serves.
   vec2 uv(const uvec3& t, vec3 b, int set) const;
   vec4 color(const uvec3& t, vec3 b) const;
   /// Base colour alpha after the alpha mode: 0 or 1 for masks. `t` a triangle, `b` barycentric weights.

@@ -53,7 +53,7 @@ struct MaterialFootprints {
         texture.prefetch(footprint);
         return;
       }
-      footprint = texture.locate(texture.uv_set() == 0 ? uv0 : mesh.uv(t, b, 1));
+      footprint = texture.locate(texture.uv_set() == 0 ? uv0 : mesh.uv(t, b, texture.uv_set()));
       if (m.has_one_footprint) shared = &footprint;
     };
     locate(m.base_color, base_color);

@@ -61,14 +61,16 @@ void validate_primitive(const Scene& scene, const Primitive& p, const std::strin
   const std::size_t count = p.positions.size();
   require(p.normals.size() == count, "needs as many normals as positions", where);
   require(p.tangents.empty() || p.tangents.size() == count, "needs as many tangents as positions", where);
-  for (const auto& uvs : p.uvs) require(uvs.empty() || uvs.size() == count, "needs as many uvs as positions", where);
+  for (const auto& [set, uvs] : p.uvs) {
+    require(uvs.empty() || uvs.size() == count, "needs as many uvs as positions", where);
+    require(all_finite(uvs), "a vertex is not finite", where);
+  }
   require(p.colors.empty() || p.colors.size() == count, "needs as many colours as positions", where);
   require(in_range(p.material, scene.materials.size()), "the material does not exist", where);
   for (const uvec3& t : p.triangles) {
     require(t.x < count && t.y < count && t.z < count, "a triangle names a vertex that does not exist", where);
   }
-  require(all_finite(p.positions) && all_finite(p.normals) && all_finite(p.tangents) && all_finite(p.uvs[0]) &&
-              all_finite(p.uvs[1]) && all_finite(p.colors),
+  require(all_finite(p.positions) && all_finite(p.normals) && all_finite(p.tangents) && all_finite(p.colors),
           "a vertex is not finite", where);
 }
 
@@ -113,7 +115,7 @@ void validate_material(const Scene& scene, const Material& m, const std::string&
   validate_ranges(m, where);
   for (const TextureSlot* slot : texture_slots(m)) {
     require(none_or_in_range(slot->texture, scene.textures.size()), "the texture does not exist", where);
-    require(slot->uv_set == 0 || slot->uv_set == 1, "the uv set is neither 0 nor 1", where);
+    require(slot->uv_set >= 0, "the uv set is negative", where);
     for (const vec2 column : slot->transform) {
       require(is_finite(column.x) && is_finite(column.y), "a texture transform is not finite", where);
     }
@@ -139,6 +141,9 @@ void validate_images(const Scene& scene) {
 void validate_cameras_and_lights(const Scene& scene) {
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
     const std::string where = place("cameras", i);
+    const Camera& camera = scene.cameras[i];
+    require(camera.near_plane >= 0 && is_finite(camera.near_plane) && camera.far_plane > camera.near_plane,
+            "the planes must be 0 <= near < far", where);
     if (const auto* p = std::get_if<PerspectiveCamera>(&scene.cameras[i].projection)) {
       require(p->yfov > 0 && p->yfov < kPi, "the field of view must lie between 0 and pi", where);
       require(!p->aspect_ratio || (*p->aspect_ratio > 0 && is_finite(*p->aspect_ratio)),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,7 +39,7 @@ struct Texture {
 /// (KHR_texture_transform).
 struct TextureSlot {
   int texture = -1;
-  int uv_set = 0;  ///< 0 or 1
+  int uv_set = 0;  ///< which of Primitive::uvs
   std::array<vec2, 3> transform{vec2(1, 0), vec2(0, 1), vec2(0, 0)};
 
   explicit operator bool() const { return texture >= 0; }
@@ -207,13 +208,32 @@ constexpr bool is_srgb_slot(std::size_t slot) {
   return false;
 }
 
+/// Texture coordinates by the number of their set, TEXCOORD_n. A set that is not there reads as empty.
+class UvSets {
+ public:
+  const std::vector<vec2>& operator[](std::size_t set) const {
+    static const std::vector<vec2> kNone;
+    const auto found = sets_.find(set);
+    return found != sets_.end() ? found->second : kNone;
+  }
+  std::vector<vec2>& operator[](std::size_t set) { return sets_[set]; }
+  /// Pairs of number and coordinates, ascending.
+  auto begin() const { return sets_.begin(); }
+  auto end() const { return sets_.end(); }
+  auto begin() { return sets_.begin(); }
+  auto end() { return sets_.end(); }
+
+ private:
+  std::map<std::size_t, std::vector<vec2>> sets_;
+};
+
 /// Triangles with one material. All vertex arrays have the same length or, where optional, are empty.
 struct Primitive {
   std::vector<vec3> positions;
   std::vector<vec3> normals;  ///< never empty after loading: generated flat when the file has none
   std::vector<vec4>
       tangents;  ///< xyz and handedness; empty unless the material has anisotropy or a normal texture, also of the coat
-  std::array<std::vector<vec2>, 2> uvs;
+  UvSets uvs;
   std::vector<vec4> colors;  ///< linear RGBA, multiplies the base colour; may be empty
   std::vector<uvec3> triangles;
   int material = 0;
@@ -238,6 +258,8 @@ struct Camera {
   std::variant<PerspectiveCamera, OrthographicCamera> projection;
   float f_number = 0.0f;        ///< of a 24 mm high sensor, perspective only; 0 = pinhole. glTF files leave it 0
   float focus_distance = 0.0f;  ///< metres along -z; 0 = the middle of the scene
+  float near_plane = 0.0f;      ///< metres along -z: what is nearer it does not see
+  float far_plane = kInfinity;  ///< nor what is farther
   int file_index = -1;
 };
 
@@ -270,7 +292,7 @@ struct Node {
   int camera = -1;
   int light = -1;
   int file_index = -1;
-  vec4 color{1.0f};  ///< linear RGBA within 0 … 1, multiplies the base colour of its mesh as vertex colours do
+  vec4 color{1.0f};        ///< linear RGBA within 0 … 1, multiplies the base colour of its mesh as vertex colours do
   bool is_hidden = false;  ///< KHR_node_visibility: holds neither mesh nor light, whatever the file's node does
 };
 

@@ -145,6 +145,8 @@ class Usage(CliTest):
         scene = ("render", "demo:spheres")
         self.refuses(*scene, "--orbit", "1,2", "--eye", "1,2,3", says="--orbit|--eye")
         self.refuses(*scene, "--camera", "0", "--orbit", "1,2", says="--camera|--orbit")
+        self.refuses(*scene, "--no-clip", "--orbit", "1,2", says="--no-clip|--orbit")
+        self.refuses(*scene, "--no-clip", "--eye", "1,2,3", says="--no-clip|--eye")
         self.refuses(*scene, "--target", "1,2,3", says="--eye")
         self.refuses(*scene, "--env", "studio", "--sun-elevation", "20", says="--sun-elevation")
         self.refuses(*scene, "--aov", "albedo", "-o", "a.png", says="--aov.*exr")

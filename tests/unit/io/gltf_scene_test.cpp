@@ -281,6 +281,26 @@ TEST(unit_io_gltf_cameras, both_kinds_are_read) {
   EXPECT_EQ(std::get<PerspectiveCamera>(eye.projection).aspect_ratio, 1.5f);
 }
 
+TEST(unit_io_gltf_cameras, planes_are_read_and_odd_ones_are_told) {
+  const auto planes = [](const char* type, const json& more) {
+    Builder b = nodes_only({{{"camera", 0}}});
+    json projection = std::string(type) == "perspective" ? json{{"yfov", 1}} : json{{"xmag", 1}, {"ymag", 1}};
+    projection.update(more);
+    b.root["cameras"] = {{{"type", type}, {type, projection}}};
+    const Loaded loaded = load(b);
+    const Camera& camera = loaded.scene.cameras[0];
+    return std::tuple(camera.near_plane, camera.far_plane, loaded.warnings.size());
+  };
+  using Planes = std::tuple<float, float, std::size_t>;
+  EXPECT_EQ(planes("perspective", {{"znear", 0.5}, {"zfar", 9}}), Planes(0.5f, 9.0f, 0));
+  EXPECT_EQ(planes("perspective", {{"znear", 0.5}}), Planes(0.5f, kInfinity, 0)) << "infinite";
+  EXPECT_EQ(planes("orthographic", {{"znear", 0}, {"zfar", 9}}), Planes(0.0f, 9.0f, 0));
+  EXPECT_EQ(planes("perspective", {{"znear", 0}, {"zfar", 9}}), Planes(0.0f, 9.0f, 1));
+  EXPECT_EQ(planes("orthographic", {{"znear", -3}, {"zfar", 9}}), Planes(0.0f, 9.0f, 1));
+  EXPECT_EQ(planes("perspective", {{"znear", 2}, {"zfar", 1}}), Planes(2.0f, kInfinity, 1));
+  EXPECT_EQ(planes("orthographic", {{"znear", 2}, {"zfar", 2}}), Planes(2.0f, kInfinity, 1));
+}
+
 TEST(unit_io_gltf_cameras, impossible_ones_are_errors) {
   const auto error_with = [](const json& camera) {
     Builder b = nodes_only({{{"camera", 0}}});

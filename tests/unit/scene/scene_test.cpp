@@ -194,7 +194,7 @@ TEST(unit_scene, a_good_scene_is_valid_and_each_broken_promise_is_found) {
   EXPECT_THAT(broken([&](Scene& s) { s.materials[0].roughness = nan; }), HasSubstr("materials/0: a factor"));
   EXPECT_THAT(broken([](Scene& s) { s.materials[0].emissive_texture.texture = 1; }),
               HasSubstr("the texture does not exist"));
-  EXPECT_THAT(broken([](Scene& s) { s.materials[0].normal_texture.uv_set = 2; }), HasSubstr("uv set"));
+  EXPECT_THAT(broken([](Scene& s) { s.materials[0].normal_texture.uv_set = -1; }), HasSubstr("uv set"));
   EXPECT_THAT(broken([&](Scene& s) { s.materials[0].normal_texture.transform[2].x = nan; }),
               HasSubstr("texture transform"));
   EXPECT_THAT(broken([](Scene& s) { s.textures[0].image = -1; }), HasSubstr("textures/0: the image"));
