@@ -36,6 +36,7 @@ THIRD_PARTY = {
     "Imath": {"image"},
     "Imf": {"image"},
     "OpenEXR/": {"image"},
+    "astcenc.h": {"image"},
     "draco/": {"io"},
     "embree": {"path"},
     "fmt/": {"app", "candela", "ibl", "image", "io", "path", "raster", "scene", "study"},

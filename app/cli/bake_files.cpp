@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <csignal>
 #include <nlohmann/json.hpp>
-#include <ranges>
 #include <set>
 #include <system_error>
 
@@ -116,7 +115,7 @@ class Moves {
   ~Moves() {
     std::error_code ignored;
     if (!is_kept_) {
-      for (const auto& [from, to] : std::views::reverse(done_)) fs::rename(to, from, ignored);
+      for (auto done = done_.rbegin(); done != done_.rend(); ++done) fs::rename(done->second, done->first, ignored);
     }
   }
   Moves() = default;

@@ -103,10 +103,15 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   json["variants"] = file.variants;
   json["animations"] = file.animations.size();
   json["animation_list"] = Json::array();
-  std::vector<std::string> animations;
+  std::vector<std::string> animations, moved;  // the latter by KHR_animation_pointer
   for (const io::AnimationInfo& animation : file.animations) {
-    json["animation_list"].push_back(
-        {{"name", animation.name}, {"duration_s", animation.duration_s}, {"channels", animation.channels}});
+    json["animation_list"].push_back({{"name", animation.name},
+                                      {"duration_s", animation.duration_s},
+                                      {"channels", animation.channels},
+                                      {"pointers", animation.pointers}});
+    for (const std::string& pointer : animation.pointers) {
+      if (std::find(moved.begin(), moved.end(), pointer) == moved.end()) moved.push_back(pointer);
+    }
     animations.push_back(fmt::format("{}, {:.4g} s, {} {}", or_unnamed(animation.name), animation.duration_s,
                                      animation.channels, animation.channels == 1 ? "channel" : "channels"));
   }
@@ -121,6 +126,7 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
               fmt::format("{}: required, so the scene cannot be rendered", fmt::join(file.extensions_missing, " ")));
   }
   if (!animations.empty()) list(table, "animations", animations);
+  if (!moved.empty()) list(table, "animated", moved);
   if (file.skins > 0) table.row("skins", fmt::format("{}", file.skins));
 }
 

@@ -173,6 +173,7 @@ void Viewer::draw() {
     moment_s_ = length > 0.0 ? std::fmod(moment_s_ + seconds_now() - last_s_, length) : 0.0;
     scene_ = asset_.scene(Pose{"", moment_s_});
     renderer_->set_scene(scene_);
+    if (renderer_->lacks_sheen_light()) renderer_->set_light(raster::bake_light(environment_, true, settings_.cache));
   }
   last_s_ = seconds_now();
   if (is_broken_) {

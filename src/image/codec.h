@@ -27,6 +27,8 @@ void check_texture_size(std::uint64_t width, std::uint64_t height, std::uint64_t
 /// Both throw Error where decoding would for the size's sake.
 ivec2 png_size(std::span<const std::byte> bytes, const std::string& where);
 ivec2 jpeg_size(std::span<const std::byte> bytes, const std::string& where);
+/// Of a KTX 2 that decode_texture_pixels reads, from its header.
+ivec2 texture_size(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_png(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_jpeg(std::span<const std::byte> bytes, const std::string& where);
 ImageFile decode_hdr(std::span<const std::byte> bytes, const std::string& where);

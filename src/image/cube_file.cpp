@@ -138,16 +138,17 @@ std::optional<ivec2> picture_size(const fs::path& path) {
   }
 }
 
-bool is_cube_texture(const fs::path& path) {
+CubeSource cube_source_of_texture(const fs::path& path) {
   try {
-    return read_texture_info(path).faces == 6;
+    const TextureInfo info = read_texture_info(path);
+    if (info.faces == 6) return CubeSource::texture;
+    return detect_layout(info.width, info.height) ? CubeSource::layout : CubeSource::none;
   } catch (const Error&) {
-    return false;
+    return CubeSource::none;
   }
 }
 
-Cubemap cube_of_texture(TextureFile file, const std::string& where) {
-  if (file.info.faces != 6) throw Error("a texture, but no cube map", where);
+Cubemap cube_of_texture(TextureFile file) {
   Cubemap cube;
   for (std::vector<Image>& level : file.levels)
     std::move(level.begin(), level.end(), cube.levels.emplace_back().begin());
@@ -162,12 +163,45 @@ CubeAxes axes_of_texture(const TextureInfo& info, const std::string& where) {
   return *axes;
 }
 
-EnvironmentFile read_cube_texture(const fs::path& path, const std::optional<CubeAxes>& axes, Texels texels) {
+Cubemap cube_of_picture(const Image& image, CubeLayout layout, const std::optional<CubeAxes>& axes) {
+  return cube_of_one_level(world_from_file(faces_from_layout(image, layout), axes.value_or(kPictureAxes)));
+}
+
+/// Whether the file says that its rows go up.
+bool goes_up(const TextureInfo& info) {
+  const auto key = info.key_values.find("KTXorientation");
+  return key != info.key_values.end() && key->second.size() >= 2 && key->second[1] == 'u';
+}
+
+void turn_rows_over(Image& image) {
+  const auto row = static_cast<std::ptrdiff_t>(image.width) * image.channels;
+  for (std::ptrdiff_t y = 0; y < image.height / 2; ++y) {
+    const auto top = image.pixels.begin() + y * row, bottom = image.pixels.begin() + (image.height - 1 - y) * row;
+    std::swap_ranges(top, top + row, bottom);
+  }
+}
+
+/// A 2-D texture is a picture: a panorama, or a cube map laid out.
+EnvironmentFile environment_of_texture(TextureFile file, const std::string& where, const std::optional<CubeAxes>& axes,
+                                       Texels texels) {
+  EnvironmentFile result;
+  Image image = without_alpha(file.levels.at(0).at(0));
+  if (goes_up(file.info)) turn_rows_over(image);
+  if (texels == Texels::put_right) tell_repairs(repair(image), where, result.warnings);
+  if (const std::optional<CubeLayout> layout = detect_layout(image.width, image.height))
+    result.cube = cube_of_picture(image, *layout, axes);
+  else
+    result.panorama = std::move(image);
+  return result;
+}
+
+EnvironmentFile read_texture(const fs::path& path, const std::optional<CubeAxes>& axes, Texels texels) {
   const std::string where = path.string();
   TextureFile file = read_texture_file(path);
+  if (file.info.faces != 6) return environment_of_texture(std::move(file), where, axes, texels);
   const CubeAxes lookup = axes ? *axes : axes_of_texture(file.info, where);
   EnvironmentFile result;
-  result.cube = cube_of_texture(std::move(file), where);
+  result.cube = cube_of_texture(std::move(file));
   if (texels == Texels::put_right) {
     result.cube.levels.resize(1);
     for (std::size_t face = 0; face < 6; ++face)
@@ -176,10 +210,6 @@ EnvironmentFile read_cube_texture(const fs::path& path, const std::optional<Cube
   }
   if (lookup != CubeAxes()) result.cube = world_from_file(result.cube, lookup);
   return result;
-}
-
-Cubemap cube_of_picture(const Image& image, CubeLayout layout, const std::optional<CubeAxes>& axes) {
-  return cube_of_one_level(world_from_file(faces_from_layout(image, layout), axes.value_or(kPictureAxes)));
 }
 
 EnvironmentFile read_six_files(const fs::path& path, const std::optional<CubeAxes>& axes, Texels texels) {
@@ -208,7 +238,7 @@ EnvironmentFile read_environment(const fs::path& path, const std::optional<CubeA
   std::error_code code;
   if (fs::is_directory(path, code) || (!fs::exists(path, code) && is_pattern(path)))
     return read_six_files(path, axes, texels);
-  if (sniff_texture(read_head(path, 16))) return read_cube_texture(path, axes, texels);
+  if (sniff_texture(read_head(path, 16))) return read_texture(path, axes, texels);
   return read_picture(path, axes, texels);
 }
 
@@ -257,7 +287,7 @@ CubeSource find_cube_source(const fs::path& path) {
   }
   if (!fs::exists(path, code) && is_pattern(path))
     return six_by_pattern(path.string()) ? CubeSource::six_files : CubeSource::none;
-  if (sniff_texture(read_head(path, 16))) return is_cube_texture(path) ? CubeSource::texture : CubeSource::none;
+  if (sniff_texture(read_head(path, 16))) return cube_source_of_texture(path);
   const std::optional<ivec2> size = picture_size(path);
   return size && detect_layout(size->x, size->y) ? CubeSource::layout : CubeSource::none;
 }

@@ -127,6 +127,7 @@ std::optional<PartChoice> lone_layer(const Imf::MultiPartInputFile& file, const 
   if (found.empty()) return std::nullopt;
   if (found.size() > 1) {
     std::vector<std::string> names;
+    names.reserve(found.size());
     for (const LayerPicture& p : found) names.push_back(p.layer);
     throw Error("has several layers and none is the picture: name one as FILE:LAYER, of " + listed(names), where);
   }

@@ -198,7 +198,7 @@ class FileColors {
 
  private:
   void take_chromaticities(const Imf::Chromaticities& c) {
-    const auto point = [](Imath::V2f v) { return dvec2(static_cast<double>(v.x), static_cast<double>(v.y)); };
+    const auto point = [](const Imath::V2f& v) { return dvec2(static_cast<double>(v.x), static_cast<double>(v.y)); };
     take("chromaticities", {point(c.red), point(c.green), point(c.blue), point(c.white)});
   }
 
@@ -260,7 +260,8 @@ Projection projection_of(const Imf::Header& header, std::vector<ImageFact>& fact
 }
 
 void tell_windows(const Imf::Header& header, Projection projection, std::vector<ImageFact>& facts) {
-  const Box2i data = header.dataWindow(), display = header.displayWindow();
+  const Box2i& data = header.dataWindow();
+  const Box2i& display = header.displayWindow();
   if (data != display) {
     const ivec2 size = size_of(data);
     facts.push_back({"dataWindow", fmt::format("{} x {} at {},{}", size.x, size.y, data.min.x, data.min.y),

@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "image/codec.h"
+#include "image/texture_file.h"
 #include "shade/color.glsl.h"
 
 namespace candela {
@@ -92,7 +93,8 @@ ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where
     case ImageFormat::jpeg:
       return codec::jpeg_size(bytes, where);
     default:
-      throw Error(std::string("expected a PNG or JPEG image, found ") + format_name(format), where);
+      if (sniff_texture(bytes) == TextureContainer::ktx2) return codec::texture_size(bytes, where);
+      throw Error(std::string("expected a PNG, JPEG or KTX 2 image, found ") + format_name(format), where);
   }
 }
 
@@ -103,7 +105,8 @@ TextureImage decode_texture(std::span<const std::byte> bytes, const std::string&
     case ImageFormat::jpeg:
       return codec::decode_jpeg(bytes, where);
     default:
-      throw Error(std::string("expected a PNG or JPEG image, found ") + format_name(format), where);
+      if (sniff_texture(bytes) == TextureContainer::ktx2) return decode_texture_pixels(bytes, where);
+      throw Error(std::string("expected a PNG, JPEG or KTX 2 image, found ") + format_name(format), where);
   }
 }
 

@@ -18,10 +18,12 @@ ImageFormat sniff_image_format(std::span<const std::byte> bytes);
 /// "PNG", "JPEG", "Radiance HDR", "OpenEXR" or "unknown".
 const char* format_name(ImageFormat format);
 
-/// Width and height from a PNG or JPEG header alone; throws Error(…, where) when it is neither or is damaged.
+/// Width and height from the header of a PNG, JPEG or KTX 2 alone; throws Error(…, where) when it is none or is
+/// damaged.
 ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where);
 
-/// Decodes PNG or JPEG to RGBA texels. Throws Error(…, where) for other formats, damaged data or sizes above 16384.
+/// Decodes PNG, JPEG or the largest level of a KTX 2 to RGBA texels. Throws Error(…, where) for other formats, damaged
+/// data or sizes above 16384.
 TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where);
 
 /// How a picture of light from everywhere covers the directions, where the file itself says so (OpenEXR's `envmap`).

@@ -1,5 +1,7 @@
 #include <zstd.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <numeric>
 
@@ -27,27 +29,168 @@ Scheme scheme_of(std::uint32_t number) {
     case 0:
       return {Packing::none, "none"};
     case 1:
-      return {Packing::unknown, "BasisLZ"};
+      return {Packing::basis_lz, "BasisLZ"};
     case kSchemeZstd:
       return {Packing::zstd, "zstd"};
     case 3:
       return {Packing::zlib, "zlib"};
+    case 4:
+      return {Packing::unknown, "UASTC HDR 6x6 intermediate"};
+    case 5:
+      return {Packing::unknown, "XUASTC"};
     default:
       return {Packing::unknown, "scheme " + std::to_string(number)};
   }
 }
 
-void name_format(std::uint32_t vk_format, TextureInfo& info) {
+// ----- reading the data format descriptor
+
+/// What of the basic descriptor block counts here; all 0 where there is none.
+struct Descriptor {
+  std::uint32_t model = 0, first_channel = 0, second_channel = 0;
+  std::size_t samples = 0;
+  ColorSpace color_space;
+};
+
+Descriptor read_descriptor(std::span<const std::byte> bytes, const std::string& where) {
+  constexpr std::size_t kBasicBytes = 24, kSampleBytes = 16;
+  Descriptor result;
+  if (bytes.empty()) return result;
+  ByteReader in(bytes, where);
+  in.u32();  // size of all
+  const std::uint32_t kind = in.u32();
+  const std::uint32_t size = in.u32() >> 16;
+  if (kind != 0 || size < kBasicBytes) return result;  // not the basic block of Khronos
+  const std::uint32_t model = in.u32();
+  result.model = model & 0xffu;
+  result.color_space = {.transfer = static_cast<int>(model >> 16 & 0xffu),
+                        .primaries = static_cast<int>(model >> 8 & 0xffu),
+                        .is_premultiplied = (model >> 24 & 1u) != 0};
+  in.take(12);  // size of a block, bytes of the planes
+  result.samples = (size - kBasicBytes) / kSampleBytes;
+  const auto channel = [&] {
+    const std::uint32_t sample = in.u32();
+    in.take(12);
+    return sample >> 24 & 15u;
+  };
+  if (result.samples > 0) result.first_channel = channel();
+  if (result.samples > 1) result.second_channel = channel();
+  return result;
+}
+
+constexpr std::uint32_t kModelEtc1s = 163, kModelUastc = 166, kModelUastcHdr4x4 = 167;
+
+// ----- formats
+
+/// The sizes in the order of Vulkan's names.
+constexpr std::array<std::array<int, 2>, 14> kAstcBlocks{{{4, 4},
+                                                          {5, 4},
+                                                          {5, 5},
+                                                          {6, 5},
+                                                          {6, 6},
+                                                          {8, 5},
+                                                          {8, 6},
+                                                          {8, 8},
+                                                          {10, 5},
+                                                          {10, 6},
+                                                          {10, 8},
+                                                          {10, 10},
+                                                          {12, 10},
+                                                          {12, 12}}};
+// VK_FORMAT_ASTC_4x4_UNORM_BLOCK, after which each size has a linear and an sRGB format, and …_SFLOAT_BLOCK.
+constexpr std::uint32_t kVkAstc = 157, kVkAstcHdr = 1000066000;
+
+void name_astc(std::size_t number, bool is_hdr, bool is_srgb, TextureInfo& info) {
+  const auto [width, height] = kAstcBlocks[number];
+  info.block = BlockFormat{BlockCodec::astc, width, height, is_hdr};
+  info.format = "astc-" + std::to_string(width) + "x" + std::to_string(height) +
+                (is_hdr    ? "-hdr"
+                 : is_srgb ? "-srgb"
+                           : "");
+}
+
+/// A universal format: the descriptor names it.
+void name_universal(const Descriptor& descriptor, TextureInfo& info) {
+  const bool has_two = descriptor.samples > 1;
+  constexpr std::uint32_t kEtc1sRed = 3, kEtc1sGreen = 4;
+  constexpr std::uint32_t kUastcRgb = 0, kUastcRed = 4, kUastcRedAlpha = 5, kUastcRedGreen = 6;
+  switch (descriptor.model) {
+    case kModelEtc1s:
+      info.block = BlockFormat{.codec = BlockCodec::etc1s};
+      info.format = "etc1s";
+      info.channels = has_two && descriptor.second_channel == kEtc1sGreen ? TextureChannels::red_green
+                      : has_two                                           ? TextureChannels::rgba
+                      : descriptor.first_channel == kEtc1sRed             ? TextureChannels::red
+                                                                          : TextureChannels::rgb;
+      break;
+    case kModelUastc:
+      info.block = BlockFormat{.codec = BlockCodec::uastc};
+      info.format = "uastc-4x4";
+      info.channels = descriptor.first_channel == kUastcRgb        ? TextureChannels::rgb
+                      : descriptor.first_channel == kUastcRed      ? TextureChannels::red
+                      : descriptor.first_channel == kUastcRedAlpha ? TextureChannels::red_alpha
+                      : descriptor.first_channel == kUastcRedGreen ? TextureChannels::red_green
+                                                                   : TextureChannels::rgba;
+      break;
+    case kModelUastcHdr4x4:
+      name_astc(0, true, false, info);
+      break;
+    default:
+      info.format = "undefined (model " + std::to_string(descriptor.model) + ")";
+  }
+}
+
+/// Formats of blocks that graphics cards read and this reader does not, by ranges of Vulkan's numbers.
+struct CardFormat {
+  std::uint32_t first, last;
+  const char* name;
+};
+constexpr auto kCardFormats = std::to_array<CardFormat>({{131, 134, "bc1"},
+                                                         {135, 136, "bc2"},
+                                                         {137, 138, "bc3"},
+                                                         {139, 140, "bc4"},
+                                                         {141, 142, "bc5"},
+                                                         {143, 143, "bc6h-ufloat"},
+                                                         {144, 144, "bc6h-sfloat"},
+                                                         {145, 146, "bc7"},
+                                                         {147, 152, "etc2"},
+                                                         {153, 156, "eac"},
+                                                         {1000054000, 1000054007, "pvrtc"}});
+
+void name_format(std::uint32_t vk_format, const Descriptor& descriptor, TextureInfo& info) {
   for (const TexelLayout& layout : texel_layouts()) {
-    if (layout.vk_format != vk_format) continue;
+    if (layout.vk_format != vk_format || vk_format == 0) continue;
     info.texel = layout.format;
     info.format = layout.name;
     return;
   }
-  info.format = vk_format == 0     ? "undefined (a universal format)"
-                : vk_format == 143 ? "bc6h-ufloat"
-                : vk_format == 144 ? "bc6h-sfloat"
-                                   : "VkFormat " + std::to_string(vk_format);
+  if (vk_format == 0) return name_universal(descriptor, info);
+  if (vk_format >= kVkAstc && vk_format < kVkAstc + 2 * kAstcBlocks.size())
+    return name_astc((vk_format - kVkAstc) / 2, false, (vk_format - kVkAstc) % 2 != 0, info);
+  if (vk_format >= kVkAstcHdr && vk_format < kVkAstcHdr + kAstcBlocks.size())
+    return name_astc(vk_format - kVkAstcHdr, true, false, info);
+  info.format = "VkFormat " + std::to_string(vk_format);
+  for (const CardFormat& card : kCardFormats) {
+    if (vk_format < card.first || vk_format > card.last) continue;
+    info.format = card.name;
+    info.reason = std::string("the format ") + card.name +
+                  " is one of a kind of graphics card and is not read (ETC1S, UASTC, ASTC and plain texels are)";
+  }
+}
+
+void refuse(std::string reason, TextureInfo& info) {
+  info.reason = std::move(reason);
+  info.is_read = false;
+}
+
+/// A universal format has one way to be packed, and schemes that few files have yet are told by what they are.
+void judge_packing(std::uint32_t scheme, const Scheme& packing, TextureInfo& info) {
+  if (scheme == 4 || scheme == 5) {
+    info.reason = "supercompression scheme " + std::to_string(scheme) + " (" + packing.name +
+                  ") is of a draft of KTX 2 and is not read";
+  } else if ((packing.packing == Packing::basis_lz) != (info.block && info.block->codec == BlockCodec::etc1s)) {
+    info.reason = "damaged: " + info.format + " packed by " + packing.name + " (BasisLZ and ETC1S go together)";
+  }
 }
 
 struct LevelIndex {
@@ -60,7 +203,12 @@ StoredLevel stored_level(const ByteReader& in, const TextureInfo& info, std::siz
   StoredLevel level;
   level.width = level_size(info.width, number);
   level.height = level_size(info.height, number);
-  const std::uint64_t face = face_bytes(texel_layout(*info.texel), level.width, level.height, 1);
+  if (packing == Packing::basis_lz) {
+    level.packed = in.part(index.offset, index.length);
+    return level;
+  }
+  const std::uint64_t face = info.block ? block_bytes(*info.block, level.width, level.height)
+                                        : face_bytes(texel_layout(*info.texel), level.width, level.height, 1);
   const std::uint64_t expected = face * static_cast<std::uint64_t>(info.faces);
   const std::uint64_t stated = packing == Packing::none ? index.length : index.uncompressed;
   if (stated != expected) {
@@ -154,7 +302,8 @@ StoredTexture parse_ktx2(std::span<const std::byte> bytes, const std::string& wh
   in.u32();  // size of the type, for big-endian readers
   const std::uint32_t width = in.u32(), height = in.u32(), depth = in.u32(), layers = in.u32(), faces = in.u32();
   const std::uint32_t levels = std::max(in.u32(), 1u);  // 0 = one, and the reader may make the others
-  const Scheme scheme = scheme_of(in.u32());
+  const std::uint32_t scheme_number = in.u32();
+  const Scheme scheme = scheme_of(scheme_number);
   if (depth > kMaxTextureSize || layers > kMaxTextureSize) throw Error("damaged: a texture of too many layers", where);
   info.depth = static_cast<int>(depth);
   info.layers = static_cast<int>(layers);
@@ -164,16 +313,26 @@ StoredTexture parse_ktx2(std::span<const std::byte> bytes, const std::string& wh
   info.faces = static_cast<int>(faces);
   info.supercompression = scheme.name;
   texture.packing = scheme.packing;
-  name_format(vk_format, info);
 
   const std::uint32_t descriptor_offset = in.u32(), descriptor_length = in.u32();
   const std::uint32_t key_offset = in.u32(), key_length = in.u32();
   const std::uint64_t global_offset = in.u64(), global_length = in.u64();
-  in.part(descriptor_offset, descriptor_length);
-  in.part(global_offset, global_length);
+  const Descriptor descriptor = read_descriptor(in.part(descriptor_offset, descriptor_length), where);
+  info.color_space = descriptor.color_space;
+  name_format(vk_format, descriptor, info);
+  judge_packing(scheme_number, scheme, info);
+  texture.global_data = in.part(global_offset, global_length);
   if (key_length > 0) parse_key_values(in.part(key_offset, key_length), info, where);
 
-  info.is_read = info.texel && depth <= 1 && layers <= 1 && scheme.packing != Packing::unknown;
+  if (info.key_values.contains("KTXanimData")) refuse("video is not read", info);
+  info.is_read = (info.texel || info.block) && info.reason.empty() && depth <= 1 && layers <= 1 &&
+                 scheme.packing != Packing::unknown;
+  if (info.is_read && scheme.packing == Packing::basis_lz) {
+    texture.images = read_etc1s_images(texture.global_data, std::size_t{levels} * faces, where);
+    const bool is_video = std::any_of(texture.images.begin(), texture.images.end(),
+                                      [](const Etc1sImage& image) { return image.is_p_frame; });
+    if (is_video) refuse("video is not read", info);
+  }
   for (std::size_t i = 0; i < levels; ++i) {
     const LevelIndex index{in.u64(), in.u64(), in.u64()};
     in.part(index.offset, index.length);

@@ -4,17 +4,19 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "image/basis_etc1s.h"
 #include "image/texture_file.h"
 
 // What texture_file.cpp dispatches to, one file per container. Private to this folder. All throw Error(…, where).
 namespace candela::codec {
 
-enum class Packing { none, zstd, zlib, unknown };
+enum class Packing { none, zstd, zlib, basis_lz, unknown };
 
 /// A level as it lies in the file.
 struct StoredLevel {
@@ -31,8 +33,12 @@ struct StoredTexture {
   Packing packing = Packing::none;
   std::size_t row_alignment = 1;
   std::vector<StoredLevel> levels;
+  std::span<const std::byte> global_data;  ///< BasisLZ: what the images share
+  std::vector<Etc1sImage> images;          ///< BasisLZ: level by level, face by face
 };
 
+/// By the container that its first bytes name.
+StoredTexture parse_texture(std::span<const std::byte> bytes, const std::string& where);
 StoredTexture parse_ktx2(std::span<const std::byte> bytes, const std::string& where);
 StoredTexture parse_ktx1(std::span<const std::byte> bytes, const std::string& where);
 StoredTexture parse_dds(std::span<const std::byte> bytes, const std::string& where);
@@ -115,6 +121,37 @@ class ByteWriter {
 /// Sizes that a file may have: 2-D or cube, at most kMaxTextureSize, no more levels than halvings.
 void check_shape(const TextureInfo& info, std::uint32_t width, std::uint32_t height, std::uint32_t faces,
                  std::uint32_t levels, const std::string& where);
+
+/// Throws where format, packing or kind of the texture are not read.
+void check_kind(const StoredTexture& stored, const std::string& where);
+/// Throws where `pixels` of `pixel_bytes` each are more than `max_bytes`.
+void check_pixels(const TextureInfo& info, std::uint64_t pixels, std::uint64_t pixel_bytes, std::uint64_t max_bytes,
+                  const std::string& where);
+
+/// A level's faces as bytes; those of a packed level are kept in `storage`.
+std::vector<std::span<const std::byte>> unpacked_faces(const StoredTexture& stored, const StoredLevel& level,
+                                                       std::vector<std::byte>& storage, const std::string& where);
+
+/// Bytes of one face of a level in blocks.
+std::uint64_t block_bytes(const BlockFormat& format, int width, int height);
+
+/// Blocks to RGBA texels. What the images of a file share is read once.
+class BlockReader {
+ public:
+  BlockReader(const StoredTexture& stored, const std::string& where);
+  ~BlockReader();
+  BlockReader(const BlockReader&) = delete;
+  BlockReader& operator=(const BlockReader&) = delete;
+
+  /// One image of `level`, as `face` of unpacked_faces has it (BasisLZ: the whole level). 8 bits as coded.
+  std::vector<std::uint8_t> codes(std::size_t level, std::size_t face, std::span<const std::byte> bytes);
+  /// Of a format with a high dynamic range.
+  std::vector<float> numbers(std::size_t level, std::span<const std::byte> bytes);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 /// Bytes of one face of a level, rows padded to `row_alignment`.
 std::uint64_t face_bytes(const TexelLayout& layout, int width, int height, std::size_t row_alignment);

@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <string_view>
 
@@ -12,17 +13,17 @@
 #include "base/parallel.h"
 #include "image/codec.h"
 #include "image/texture_codec.h"
+#include "shade/color.glsl.h"
 
 namespace candela {
 
+using codec::BlockReader;
 using codec::EncodedTexture;
 using codec::Packing;
 using codec::StoredLevel;
 using codec::StoredTexture;
 
-namespace {
-
-StoredTexture parse(std::span<const std::byte> bytes, const std::string& where) {
+StoredTexture codec::parse_texture(std::span<const std::byte> bytes, const std::string& where) {
   const std::optional<TextureContainer> container = sniff_texture(bytes);
   if (!container) throw Error("not a texture file (KTX 2, KTX 1 and DDS are known)", where);
   switch (*container) {
@@ -36,32 +37,26 @@ StoredTexture parse(std::span<const std::byte> bytes, const std::string& where) 
   return codec::parse_dds(bytes, where);
 }
 
-int channels_of(const TextureInfo& info) {
-  const int stored = texel_layout(*info.texel).channels;
-  return info.faces == 6 || stored == 2 ? 3 : stored;
-}
+namespace {
 
-/// Throws where format, packing or kind of the texture are not read.
-void check_kind(const StoredTexture& stored, const std::string& where) {
-  const TextureInfo& info = stored.info;
-  if (!info.texel) throw Error("pixels in the format " + info.format + " are not read", where);
-  if (stored.packing == Packing::unknown)
-    throw Error("supercompression by " + info.supercompression + " is not read", where);
-  if (!info.is_read) throw Error("volumes and arrays of textures are not read", where);
+int channels_of(const TextureInfo& info) {
+  if (info.faces == 6) return 3;
+  if (info.block) return info.channels == TextureChannels::rgba ? 4 : 3;
+  const int stored = texel_layout(*info.texel).channels;
+  return stored == 2 ? 3 : stored;
 }
 
 /// Throws unless the texture is of a kind that is decoded, and small enough.
 void check_decodable(const StoredTexture& stored, std::uint64_t max_bytes, const std::string& where) {
   const TextureInfo& info = stored.info;
-  check_kind(stored, where);
+  codec::check_kind(stored, where);
   std::uint64_t pixels = 0;
   for (const StoredLevel& level : stored.levels)
     pixels += static_cast<std::uint64_t>(level.width) * static_cast<std::uint64_t>(level.height);
-  const std::uint64_t channels = static_cast<std::uint64_t>(channels_of(info));
-  if (pixels * static_cast<std::uint64_t>(info.faces) * channels * sizeof(float) > max_bytes) {
-    throw Error("texture of " + std::to_string(info.width) + " x " + std::to_string(info.height) + " is too large",
-                where);
-  }
+  // Blocks are decoded to four channels first, whatever is kept of them.
+  const auto channels = static_cast<std::uint64_t>(info.block ? 4 : channels_of(info));
+  codec::check_pixels(info, pixels * static_cast<std::uint64_t>(info.faces), channels * sizeof(float), max_bytes,
+                      where);
 }
 
 /// A level's faces in a row. `size` is what they must come to; it has been compared with what the file says.
@@ -100,19 +95,55 @@ Image decode_face(const TexelLayout& layout, std::span<const std::byte> texels, 
   return image;
 }
 
+std::uint64_t stored_face_bytes(const StoredTexture& stored, const StoredLevel& level) {
+  if (stored.info.block) return codec::block_bytes(*stored.info.block, level.width, level.height);
+  return codec::face_bytes(texel_layout(*stored.info.texel), level.width, level.height, stored.row_alignment);
+}
+
+/// The first `channels` of each RGBA texel.
+Image from_numbers(const StoredLevel& level, std::span<const float> rgba, int channels) {
+  Image image(level.width, level.height, channels);
+  const auto kept = static_cast<std::size_t>(channels);
+  for (std::size_t i = 0; i < rgba.size() / 4; ++i)
+    std::copy_n(rgba.begin() + static_cast<std::ptrdiff_t>(4 * i), kept,
+                image.pixels.begin() + static_cast<std::ptrdiff_t>(kept * i));
+  return image;
+}
+
+Image from_codes(const StoredLevel& level, std::span<const std::uint8_t> rgba, int channels, bool is_srgb) {
+  std::array<float, 256> number_of_code{}, linear_of_code{};
+  for (std::size_t code = 0; code < 256; ++code) {
+    number_of_code[code] = static_cast<float>(code) / 255.0f;
+    linear_of_code[code] = is_srgb ? shade::srgb_decode_channel(number_of_code[code]) : number_of_code[code];
+  }
+  Image image(level.width, level.height, channels);
+  const auto kept = static_cast<std::size_t>(channels);
+  for (std::size_t i = 0; i < rgba.size() / 4; ++i)
+    for (std::size_t c = 0; c < kept; ++c)
+      image.pixels[kept * i + c] = (c == 3 ? number_of_code : linear_of_code)[rgba[4 * i + c]];
+  return image;
+}
+
+std::vector<Image> decode_blocks(const StoredTexture& stored, std::size_t number, BlockReader& reader,
+                                 const std::string& where) {
+  const StoredLevel& level = stored.levels[number];
+  const bool is_srgb = stored.info.color_space && stored.info.color_space->transfer == ColorSpace::kSrgb;
+  std::vector<std::byte> storage;
+  std::vector<Image> images;
+  for (const auto& face : codec::unpacked_faces(stored, level, storage, where)) {
+    const int channels = channels_of(stored.info);
+    images.push_back(stored.info.block->is_hdr
+                         ? from_numbers(level, reader.numbers(number, face), channels)
+                         : from_codes(level, reader.codes(number, images.size(), face), channels, is_srgb));
+  }
+  return images;
+}
+
 std::vector<Image> decode_level(const StoredTexture& stored, const StoredLevel& level, const std::string& where) {
   const TexelLayout& layout = texel_layout(*stored.info.texel);
-  std::vector<std::span<const std::byte>> faces = level.faces;
-  std::vector<std::byte> unpacked;
-  if (stored.packing != Packing::none) {
-    const auto size = codec::face_bytes(layout, level.width, level.height, stored.row_alignment);
-    unpacked = unpack(level.packed, size * static_cast<std::uint64_t>(stored.info.faces), stored.packing, where);
-    for (std::size_t face = 0; face < static_cast<std::size_t>(stored.info.faces); ++face)
-      faces.emplace_back(unpacked.data() + face * static_cast<std::size_t>(size), static_cast<std::size_t>(size));
-  }
+  std::vector<std::byte> storage;
   std::vector<Image> images;
-  images.reserve(faces.size());
-  for (const auto& face : faces)
+  for (const auto& face : codec::unpacked_faces(stored, level, storage, where))
     images.push_back(decode_face(layout, face, level, channels_of(stored.info), stored.row_alignment));
   return images;
 }
@@ -175,6 +206,36 @@ void check_cube(const Cubemap& cube, const std::string& where) {
 }  // namespace
 
 namespace codec {
+
+void check_kind(const StoredTexture& stored, const std::string& where) {
+  const TextureInfo& info = stored.info;
+  if (!info.reason.empty()) throw Error(info.reason, where);
+  if (!info.texel && !info.block) throw Error("pixels in the format " + info.format + " are not read", where);
+  if (stored.packing == Packing::unknown)
+    throw Error("supercompression by " + info.supercompression + " is not read", where);
+  if (!info.is_read) throw Error("volumes and arrays of textures are not read", where);
+}
+
+void check_pixels(const TextureInfo& info, std::uint64_t pixels, std::uint64_t pixel_bytes, std::uint64_t max_bytes,
+                  const std::string& where) {
+  if (pixels * pixel_bytes > max_bytes) {
+    throw Error("texture of " + std::to_string(info.width) + " x " + std::to_string(info.height) + " is too large",
+                where);
+  }
+}
+
+std::vector<std::span<const std::byte>> unpacked_faces(const StoredTexture& stored, const StoredLevel& level,
+                                                       std::vector<std::byte>& storage, const std::string& where) {
+  const auto count = static_cast<std::size_t>(stored.info.faces);
+  if (stored.packing == Packing::none) return level.faces;
+  if (stored.packing == Packing::basis_lz) return std::vector<std::span<const std::byte>>(count, level.packed);
+  const std::uint64_t size = stored_face_bytes(stored, level);
+  storage = unpack(level.packed, size * count, stored.packing, where);
+  std::vector<std::span<const std::byte>> faces;
+  for (std::size_t face = 0; face < count; ++face)
+    faces.emplace_back(storage.data() + face * static_cast<std::size_t>(size), static_cast<std::size_t>(size));
+  return faces;
+}
 
 void check_shape(const TextureInfo& info, std::uint32_t width, std::uint32_t height, std::uint32_t faces,
                  std::uint32_t levels, const std::string& where) {
@@ -267,14 +328,20 @@ std::optional<TextureContainer> sniff_texture(std::span<const std::byte> bytes) 
 }
 
 TextureInfo parse_texture_info(std::span<const std::byte> bytes, const std::string& where) {
-  return parse(bytes, where).info;
+  return codec::parse_texture(bytes, where).info;
 }
 
 TextureFile decode_texture_file(std::span<const std::byte> bytes, const std::string& where, std::uint64_t max_bytes) {
-  StoredTexture stored = parse(bytes, where);
+  StoredTexture stored = codec::parse_texture(bytes, where);
   check_decodable(stored, max_bytes, where);
   TextureFile file;
-  for (const StoredLevel& level : stored.levels) file.levels.push_back(decode_level(stored, level, where));
+  if (stored.info.block) {
+    BlockReader reader(stored, where);
+    for (std::size_t i = 0; i < stored.levels.size(); ++i)
+      file.levels.push_back(decode_blocks(stored, i, reader, where));
+  } else {
+    for (const StoredLevel& level : stored.levels) file.levels.push_back(decode_level(stored, level, where));
+  }
   file.info = std::move(stored.info);
   return file;
 }

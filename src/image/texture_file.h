@@ -25,11 +25,34 @@ const char* container_extension(TextureContainer container);
 /// From the first bytes, never from a name.
 std::optional<TextureContainer> sniff_texture(std::span<const std::byte> bytes);
 
+/// Texels that are stored in blocks: ETC1S and UASTC (the universal formats of Basis Universal), and ASTC.
+enum class BlockCodec { etc1s, uastc, astc };
+
+struct BlockFormat {
+  BlockCodec codec = BlockCodec::uastc;
+  int width = 4, height = 4;  ///< of a block, in texels
+  bool is_hdr = false;
+};
+
+/// What the numbers of a texture are, from its data format descriptor; numbered as there.
+struct ColorSpace {
+  static constexpr int kLinear = 1, kSrgb = 2, kRec709 = 1;  // 0 = it does not say
+  int transfer = 0;
+  int primaries = 0;
+  bool is_premultiplied = false;
+};
+
+/// What the channels of a texture are for where a format could hold more of them.
+enum class TextureChannels { rgba, rgb, red, red_green, red_alpha };  // the last: green lies in alpha
+
 /// What a texture file says about itself; its pixels may be in a format that we cannot decode.
 struct TextureInfo {
   TextureContainer container = TextureContainer::ktx2;
-  std::optional<TexelFormat> texel;  ///< empty where the format has no decoder here
-  std::string format;                ///< its name, or the container's number for it
+  std::optional<TexelFormat> texel;  ///< empty where the format has no decoder here, or is the next
+  std::optional<BlockFormat> block;
+  TextureChannels channels = TextureChannels::rgba;  ///< of a block format
+  std::optional<ColorSpace> color_space;             ///< KTX 2
+  std::string format;                                ///< its name, or the container's number for it
   int width = 0;
   int height = 0;
   int depth = 0;   ///< above 1 in a volume
@@ -37,6 +60,7 @@ struct TextureInfo {
   int faces = 1;   ///< 6 in a cube map
   std::string supercompression = "none";
   bool is_read = false;                           ///< whether decode_texture_file knows format, packing and kind
+  std::string reason;                             ///< why it is not read, where more can be said than the format's name
   std::vector<std::uint64_t> level_bytes;         ///< as stored, largest level first; 0 where the file does not say
   std::map<std::string, std::string> key_values;  ///< binary values as "N bytes"
 };
@@ -54,6 +78,10 @@ TextureInfo parse_texture_info(std::span<const std::byte> bytes, const std::stri
 /// `max_bytes`, which is looked at before anything is allocated.
 TextureFile decode_texture_file(std::span<const std::byte> bytes, const std::string& where,
                                 std::uint64_t max_bytes = std::uint64_t{1} << 31);
+/// The largest image of a 2-D texture as a material has it: 8 bits as stored, still encoded; numbers with a fraction in
+/// 16 bits, clamped to [0, 1]. Throws like decode_texture_file, and for cube maps.
+TextureImage decode_texture_pixels(std::span<const std::byte> bytes, const std::string& where,
+                                   std::uint64_t max_bytes = std::uint64_t{1} << 30);
 TextureInfo read_texture_info(const std::filesystem::path& path);
 TextureFile read_texture_file(const std::filesystem::path& path);
 

@@ -10,6 +10,7 @@
 #include <exception>
 #include <iterator>
 #include <map>
+#include <set>
 #include <span>
 #include <tuple>
 
@@ -20,8 +21,10 @@
 #include "io/gltf_files.h"
 #include "io/gltf_lights.h"
 #include "io/gltf_material.h"
+#include "io/gltf_material_reader.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
+#include "io/gltf_pointer.h"
 
 namespace candela::io {
 
@@ -133,23 +136,26 @@ Camera read_camera(const JsonView& json, Warnings& warnings) {
 /// What one node shows: a mesh of the file with its weights, and, where skinned, the node whose skin moves it.
 using MeshKey = std::tuple<std::size_t, std::vector<float>, std::optional<std::size_t>>;
 
-std::vector<float> read_weights(const JsonView& owner) {
-  const auto weights = owner.find("weights");
-  return weights ? weights->reals(weights->size()) : std::vector<float>();
-}
+/// A mesh, and what the materials of its primitives wanted when it was read.
+struct KeptMesh {
+  Mesh mesh;
+  std::vector<VertexNeeds> needs;
+};
 
 /// What one scene of a file leaves to the next.
 struct Kept {
-  std::vector<std::shared_ptr<const TextureImage>> images;
-  std::vector<std::size_t> lost_images;  ///< that could not be read
-  std::map<MeshKey, Mesh> meshes;        ///< without a skin: the same wherever the nodes are
+  std::map<int, std::shared_ptr<const TextureImage>> images;  ///< by the file's index
+  std::set<int> lost_images;                                  ///< that could not be read
+  std::map<MeshKey, KeptMesh> meshes;                         ///< without a skin: the same wherever the nodes are
+  std::vector<std::optional<Material>> materials;             ///< by the file's index, as they stand at rest
 };
 
 class Loader {
  public:
-  Loader(const GltfDocument& document, const UriReader& uris, GltfBuffers& buffers, const LoadOptions& options,
+  Loader(GltfDocument& document, const UriReader& uris, GltfBuffers& buffers, const LoadOptions& options,
          std::size_t file_bytes, Diagnostics& diagnostics)
-      : root_(document.root()),
+      : document_(document),
+        root_(document.root()),
         uris_(uris),
         options_(options),
         warnings_(diagnostics),
@@ -161,10 +167,11 @@ class Loader {
 
  private:
   void collect_meshes();
-  void collect_materials();
+  void collect_materials(const MovedDocument& moved, Kept* kept);
   std::vector<JsonView> draco_views() const;
   void read_meshes_and_images(Kept* kept);
   void lose_image(std::size_t image, const Error& cause);
+  Mesh find_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins, Kept* kept);
   Mesh read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins);
   void place_nodes();
   void read_cameras_and_lights();
@@ -173,6 +180,7 @@ class Loader {
   void check_extent(const mat4& world_from_mesh, std::size_t file_index, const Box3& box) const;
   void check_scale(const mat4& world_from_mesh, std::size_t file_index);
 
+  GltfDocument& document_;
   JsonView root_;
   const UriReader& uris_;
   const LoadOptions& options_;
@@ -226,7 +234,7 @@ std::vector<JsonView> Loader::draco_views() const {
   return views;
 }
 
-void Loader::collect_materials() {
+void Loader::collect_materials(const MovedDocument& moved, Kept* kept) {
   std::vector<bool> used(count_of(root_, "materials"), false);
   bool want_default = false;
   std::vector<bool> seen(count_of(root_, "meshes"), false);
@@ -245,10 +253,33 @@ void Loader::collect_materials() {
       }
     }
   }
-  materials_ = read_materials(root_, used, want_default, buffers_, warnings_);
+  if (kept != nullptr) kept->materials.resize(used.size());
+  const auto read = [&](std::size_t index) {
+    const bool rests = kept != nullptr && !moved.has_moved_material(index);
+    if (rests && kept->materials[index]) return *kept->materials[index];
+    Material material = read_material(root_, root_.at("materials")[index], index, warnings_);
+    if (rests) kept->materials[index] = material;
+    return material;
+  };
+  materials_ = read_materials(root_, used, want_default, read, buffers_, warnings_);
   scene_.materials = materials_.materials;
   scene_.textures = materials_.textures;
   for (const ImageSource& image : materials_.images) scene_.image_file_indices.push_back(image.file_index);
+}
+
+/// A mesh as it was read for an earlier scene, where it can serve again.
+Mesh Loader::find_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins,
+                       Kept* kept) {
+  const auto& [mesh, weights, skin] = key;
+  // What an animation morphs would be kept for every moment of it.
+  if (kept == nullptr || skin || !weights.empty()) return read_mesh(reader, key, skins);
+  std::vector<VertexNeeds> needs = reader.needs(root_.at("meshes")[mesh]);
+  const auto found = kept->meshes.find(key);
+  if (found != kept->meshes.end() && found->second.needs == needs) return found->second.mesh;
+  Mesh result = read_mesh(reader, key, skins);
+  result.identity = std::make_shared<const char>();
+  kept->meshes.insert_or_assign(key, KeptMesh{result, std::move(needs)});
+  return result;
 }
 
 Mesh Loader::read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins) {
@@ -279,6 +310,11 @@ void Loader::read_meshes_and_images(Kept* kept) {
   const std::size_t image_count = materials_.images.size();
   scene_.images.resize(image_count);
   std::vector<std::optional<Error>> lost(image_count);
+  const auto number_of_image = [&](std::size_t image) { return materials_.images[image].file_index; };
+  for (std::size_t i = 0; i < image_count && kept != nullptr; ++i) {
+    const auto found = kept->images.find(number_of_image(i));
+    if (found != kept->images.end()) scene_.images[i] = found->second;
+  }
   std::exception_ptr error;
   std::atomic<std::uint64_t> texels = 0;
   const auto read_meshes = [&] {
@@ -286,17 +322,7 @@ void Loader::read_meshes_and_images(Kept* kept) {
     MeshReader reader(reader_, warnings_, materials_.materials, materials_.material_of_file,
                       materials_.default_material, variant_);
     std::map<std::size_t, std::vector<mat4>> skins;
-    for (const auto& entry : mesh_of_key_) {
-      const bool is_kept = kept != nullptr && !std::get<2>(entry.first);
-      const auto found = is_kept ? kept->meshes.find(entry.first) : std::map<MeshKey, Mesh>::iterator();
-      if (is_kept && found != kept->meshes.end()) {
-        scene_.meshes.push_back(found->second);
-        continue;
-      }
-      scene_.meshes.push_back(read_mesh(reader, entry.first, skins));
-      // What an animation morphs would be kept for every moment of it.
-      if (is_kept && std::get<1>(entry.first).empty()) kept->meshes.emplace(entry.first, scene_.meshes.back());
-    }
+    for (const auto& entry : mesh_of_key_) scene_.meshes.push_back(find_mesh(reader, entry.first, skins, kept));
     reader.report_ignored(root_);
   };
   parallel_for(0, image_count + 1, 1, [&](std::size_t begin, std::size_t end) {
@@ -307,9 +333,7 @@ void Loader::read_meshes_and_images(Kept* kept) {
         } catch (...) {
           error = std::current_exception();
         }
-      } else if (kept != nullptr && !kept->images.empty()) {
-        scene_.images[task - 1] = kept->images[task - 1];
-      } else {
+      } else if (scene_.images[task - 1] == nullptr) {
         try {
           scene_.images[task - 1] = load_image(materials_.images[task - 1], uris_, options_.decode_images, texels);
         } catch (const Error& cause) {
@@ -322,13 +346,15 @@ void Loader::read_meshes_and_images(Kept* kept) {
   if (texels > kMostTexels) {
     throw root_.at("images").error(fmt::format("the textures have more than {} texels in total", kMostTexels));
   }
-  for (const std::size_t image : kept != nullptr ? kept->lost_images : std::vector<std::size_t>()) {
-    drop_image(static_cast<int>(image), scene_.textures, scene_.materials);
-  }
   for (std::size_t i = 0; i < image_count; ++i) {
-    if (!lost[i]) continue;
-    lose_image(i, *lost[i]);
-    if (kept != nullptr) kept->lost_images.push_back(i);
+    if (lost[i]) {
+      lose_image(i, *lost[i]);
+    } else if (kept != nullptr && kept->lost_images.contains(number_of_image(i))) {
+      drop_image(static_cast<int>(i), scene_.textures, scene_.materials);
+    }
+    if (kept == nullptr) continue;
+    kept->images.emplace(number_of_image(i), scene_.images[i]);
+    if (lost[i]) kept->lost_images.insert(number_of_image(i));
   }
 }
 
@@ -465,18 +491,20 @@ Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* 
   check_extensions(root_, info, options_.refuse_unknown_required, warnings_);
   variant_ = find_variant(root_, info, options_.variant);
   is_posed_ = pose.has_value();
-  check_channels(root_, warnings_);
+  check_channels(root_, document_.json(), warnings_);
+  std::vector<AnimatedMoment> moments;
+  for (const std::size_t index : pose ? find_animations(root_, pose->animation) : std::vector<std::size_t>()) {
+    moments.emplace_back(root_, document_.json(), index, pose->time_s, reader_, warnings_);
+  }
+  MovedDocument moved(document_.json());
+  for (const AnimatedMoment& moment : moments) moment.move_properties(moved);
   file_ = read_nodes(root_, warnings_, [&](std::vector<FileNode>& nodes) {
-    if (!pose) return;
-    for (const std::size_t index : find_animations(root_, pose->animation)) {
-      pose_nodes(root_.at("animations")[index], pose->time_s, reader_, warnings_, nodes);
-    }
+    for (const AnimatedMoment& moment : moments) moment.pose_nodes(nodes);
   });
   scene_.name = file_.name;
   collect_meshes();
-  collect_materials();
+  collect_materials(moved, kept);
   read_meshes_and_images(kept);
-  if (kept != nullptr) kept->images = scene_.images;
   read_cameras_and_lights();
   place_nodes();
   update_world_transforms(scene_);

@@ -35,6 +35,7 @@ struct AnimationInfo {
   std::string name;
   float duration_s = 0.0f;
   int channels = 0;
+  std::vector<std::string> pointers;  ///< what KHR_animation_pointer moves, as the file names it
 };
 
 /// A file that a scene is made of.
@@ -80,10 +81,10 @@ std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path);
 /// name and number after the file's nodes; so do the instances of EXT_mesh_gpu_instancing, as children, with their
 /// _COLOR_0 as Node::color; the IES light of a node that has a punctual one too becomes its child there. Triangles
 /// without an area and vertices without a triangle are dropped. What KHR_node_visibility hides is left out: its nodes
-/// stand, with their cameras, but hold nothing else; it is read where an animation may show it. Every uv set that a primitive's material reads is
-/// present, as zeros where the file has none. Coordinates stay within 1e9 metres.
+/// stand, with their cameras, but hold nothing else; it is read where an animation may show it. Every uv set that a
+/// primitive's material reads is present, as zeros where the file has none. Coordinates stay within 1e9 metres.
 ///
-/// Nodes stand as the file places them; GltfFile has them at any moment of its animations.
+/// Everything is as the file has it at rest; GltfFile has it at any moment of its animations.
 Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
 Scene load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics, const LoadOptions& options,
                 FileInfo* info = nullptr);
@@ -109,9 +110,10 @@ class GltfFile {
   const FileInfo& info() const;
   /// Indices into info().animations of what Pose::animation names; throws Error as there.
   std::vector<std::size_t> find_animations(const std::string& name) const;
-  /// The scene as its nodes stand, or as an animation has them. Two scenes of one file have the same nodes of the file,
-  /// materials, images, cameras and lights; their meshes differ where they are skinned or morphed, what nodes hold where
-  /// they are hidden.
+  /// The scene as it stands, or as an animation has it. Two scenes of one file have the same nodes of the file,
+  /// materials, cameras and lights, whose numbers differ where an animation moves them; images too, unless a material
+  /// at a moment does not read one; meshes differ where they are skinned or morphed, or where a texture turns that
+  /// tangents follow; what nodes hold, where they are hidden.
   Scene scene(Diagnostics& diagnostics, const std::optional<Pose>& pose = std::nullopt);
 
  private:

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -36,9 +38,36 @@ std::vector<float> read_times(const JsonView& reference, AccessorReader& reader)
   return times;
 }
 
+/// How values of a type stand in an accessor; KHR_animation_pointer, "Output Accessor Type".
+struct Shape {
+  const char* accessor;
+  std::size_t width;  ///< numbers of a value; 0 for as many as there are
+};
+
+Shape shape_of(PropertyType type) {
+  switch (type) {
+    case PropertyType::boolean:
+    case PropertyType::number:
+      return {"SCALAR", 1};
+    case PropertyType::numbers:
+      return {"SCALAR", 0};
+    case PropertyType::vec2:
+      return {"VEC2", 2};
+    case PropertyType::vec3:
+      return {"VEC3", 3};
+    case PropertyType::vec4:
+    case PropertyType::rotation:
+      return {"VEC4", 4};
+  }
+  return {"SCALAR", 1};
+}
+
 /// Every value as floats, one after the other.
-std::vector<float> read_values(const JsonView& reference, const char* type, AccessorReader& reader) {
-  const Accessor accessor = reader.open(reference, {type});
+std::vector<float> read_values(const JsonView& reference, PropertyType type, AccessorReader& reader) {
+  const Accessor accessor = reader.open(reference, {shape_of(type).accessor});
+  if (type == PropertyType::boolean && accessor.component_type != kU8) {
+    throw reference.error("true and false must be stored as unsigned bytes");
+  }
   const auto flat = [](const auto& vectors) {
     std::vector<float> result;
     for (const auto& v : vectors) {
@@ -46,6 +75,7 @@ std::vector<float> read_values(const JsonView& reference, const char* type, Acce
     }
     return result;
   };
+  if (accessor.components == 2) return flat(reader.read_as<vec2>(accessor));
   if (accessor.components == 3) return flat(reader.read_as<vec3>(accessor));
   if (accessor.components == 4) return flat(reader.read_as<vec4>(accessor));
   return reader.read_as<float>(accessor);
@@ -60,10 +90,14 @@ void slerp(const float* a, const float* b, float t, float* out) {
 /// One sampler at one time.
 class Sampler {
  public:
-  Sampler(const JsonView& json, const char* type, AccessorReader& reader)
-      : interpolation_(read_interpolation(json)),
+  Sampler(const JsonView& json, PropertyType type, AccessorReader& reader)
+      : type_(type),
+        interpolation_(read_interpolation(json)),
         times_(read_times(json.at("input"), reader)),
         values_(read_values(json.at("output"), type, reader)) {
+    if (type == PropertyType::boolean && interpolation_ != Interpolation::step) {
+      throw json.error("between true and false nothing can be interpolated: the interpolation must be STEP");
+    }
     const std::size_t keys = times_.size() * per_key();
     width_ = values_.size() / keys;
     if (width_ == 0 || width_ * keys != values_.size()) {
@@ -73,7 +107,7 @@ class Sampler {
 
   std::size_t width() const { return width_; }
 
-  std::vector<float> at(double time, bool is_rotation) const {
+  std::vector<float> at(double time) const {
     const auto t = static_cast<float>(time);
     std::vector<float> result(width_);
     const auto after = std::upper_bound(times_.begin(), times_.end(), t);
@@ -85,7 +119,7 @@ class Sampler {
     const auto next = static_cast<std::size_t>(after - times_.begin()), last = next - 1;
     const float span = times_[next] - times_[last];
     const float u = (t - times_[last]) / span;
-    if (interpolation_ == Interpolation::linear && is_rotation) {
+    if (interpolation_ == Interpolation::linear && type_ == PropertyType::rotation) {
       slerp(value(last), value(next), u, result.data());
     } else if (interpolation_ == Interpolation::linear) {
       for (std::size_t i = 0; i < width_; ++i) result[i] = glm::mix(value(last)[i], value(next)[i], u);
@@ -109,6 +143,7 @@ class Sampler {
     return values_.data() + (key * per_key() + (is_spline() ? 1 : 0)) * width_;
   }
 
+  PropertyType type_;
   Interpolation interpolation_;
   std::vector<float> times_;
   std::vector<float> values_;
@@ -118,6 +153,7 @@ class Sampler {
 void move(FileNode& node, const std::string& path, const std::vector<float>& v) {
   if (path == "translation") {
     node.translation = vec3(v[0], v[1], v[2]);
+    if (node.has_matrix) node.parent_from_node[3] = vec4(node.translation, 1.0f);
   } else if (path == "scale") {
     node.scale = vec3(v[0], v[1], v[2]);
   } else if (path == "rotation") {
@@ -130,9 +166,37 @@ void move(FileNode& node, const std::string& path, const std::vector<float>& v) 
   }
 }
 
-const char* type_of(const std::string& path) {
-  if (path == "rotation") return "VEC4";
-  return path == "weights" ? "SCALAR" : "VEC3";
+std::optional<PropertyType> type_of(const std::string& path) {
+  if (path == "translation" || path == "scale") return PropertyType::vec3;
+  if (path == "rotation") return PropertyType::rotation;
+  return path == "weights" ? std::optional(PropertyType::numbers) : std::nullopt;
+}
+
+/// What the target of a channel means; none, with a warning, where it cannot be moved.
+std::optional<Target> find_target(const JsonView& json, const nlohmann::json& document, std::size_t node_count,
+                                  Warnings& warnings) {
+  const std::string path = json.at("path").string();
+  const auto node = json.index_of("node", node_count, "node");
+  const auto extension = path == "pointer" ? json.extension("KHR_animation_pointer") : std::nullopt;
+  if (extension) {
+    if (node) warnings.warn("a channel with a pointer must have no node; the pointer counts", json);
+    return find_property(document, extension->at("pointer"), warnings);
+  }
+  const auto type = type_of(path);
+  if (!type) {
+    warnings.warn(
+        fmt::format("an animation of '{}' is not supported and will be ignored", path.substr(0, kLongestPath)), json);
+    return std::nullopt;
+  }
+  if (!node) return std::nullopt;  // as the specification asks
+  return Target{{"nodes", std::to_string(*node), path}, *type, false};
+}
+
+/// In words, as what two channels move.
+std::string name_of(const Target& target) {
+  if (!target.is_of_node()) return target.pointer();
+  const std::string what = target.tokens.size() == 4 ? "weight " + target.tokens[3] : target.tokens[2];
+  return fmt::format("the {} of node {}", what, target.tokens[1]);
 }
 
 }  // namespace
@@ -143,7 +207,11 @@ std::vector<AnimationInfo> read_animation_list(const JsonView& root) {
     const JsonView json = root.at("animations")[i];
     AnimationInfo& info = list.emplace_back();
     info.name = json.string_or("name");
-    if (const auto channels = json.find("channels")) info.channels = static_cast<int>(channels->size());
+    const auto channels = json.find("channels");
+    if (channels) info.channels = static_cast<int>(channels->size());
+    for (std::size_t k = 0; channels && k < channels->size(); ++k) {
+      if (const auto moved = pointer_extension((*channels)[k])) info.pointers.push_back(moved->at("pointer").string());
+    }
     const auto samplers = json.find("samplers");
     for (std::size_t k = 0; samplers && k < samplers->size(); ++k) {
       const std::size_t accessor = (*samplers)[k].at("input").index(count_of(root, "accessors"), "accessor");
@@ -172,49 +240,81 @@ std::vector<std::size_t> find_animations(const JsonView& root, const std::string
                                count == 0 ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-void check_channels(const JsonView& root, Warnings& warnings) {
+void check_channels(const JsonView& root, const nlohmann::json& document, Warnings& warnings) {
   const std::size_t nodes = count_of(root, "nodes");
+  // What is ignored is said when it should move.
+  Diagnostics unsaid;
+  Warnings later(unsaid);
   for (std::size_t i = 0; i < count_of(root, "animations"); ++i) {
     const auto channels = root.at("animations")[i].find("channels");
-    std::set<std::pair<std::size_t, std::string>> moved;
+    std::set<std::string> moved, moved_in_part;
     for (std::size_t k = 0; channels && k < channels->size(); ++k) {
-      const auto target = (*channels)[k].find("target");
-      const auto node = target ? target->index_of("node", nodes, "node") : std::nullopt;
-      const std::string path = target ? target->string_or("path") : std::string();
-      if (!node || moved.emplace(*node, path).second) continue;
-      warnings.warn(
-          fmt::format("two channels move the {} of node {}; the last one counts", path.substr(0, kLongestPath), *node),
-          (*channels)[k]);
+      const auto json = (*channels)[k].find("target");
+      const auto target =
+          json && json->find("path") ? find_target(*json, document, nodes, later) : std::optional<Target>();
+      if (!target) continue;
+      // All weights and a single one of them are one property, too.
+      const std::string pointer = target->pointer();
+      const bool is_part = target->tokens.size() == 4 && target->tokens[2] == "weights";
+      const std::string whole = is_part ? pointer.substr(0, pointer.rfind('/')) : std::string();
+      const bool is_twice = !moved.insert(pointer).second || moved_in_part.contains(pointer) || moved.contains(whole);
+      if (is_part) moved_in_part.insert(whole);
+      if (!is_twice) continue;
+      warnings.warn(fmt::format("two channels move {}; the last one counts", name_of(*target)), (*channels)[k]);
     }
   }
 }
 
-void pose_nodes(const JsonView& animation, double time, AccessorReader& reader, Warnings& warnings,
-                std::vector<FileNode>& nodes) {
-  const JsonView channels = animation.at("channels"), samplers = animation.at("samplers");
+AnimatedMoment::AnimatedMoment(const JsonView& root, const nlohmann::json& document, std::size_t animation, double time,
+                               AccessorReader& reader, Warnings& warnings)
+    : root_(root), warnings_(warnings) {
+  const JsonView json = root.at("animations")[animation];
+  const JsonView channels = json.at("channels"), samplers = json.at("samplers");
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    const JsonView target = channels[i].at("target");
-    const std::string path = target.at("path").string();
-    if (path != "translation" && path != "rotation" && path != "scale" && path != "weights") {
-      warnings.warn(
-          fmt::format("an animation of '{}' is not supported and will be ignored", path.substr(0, kLongestPath)),
-          target);
-      continue;
-    }
-    const auto index = target.index_of("node", nodes.size(), "node");
-    if (!index) continue;  // as the specification asks
-    FileNode& node = nodes[*index];
-    if (node.has_matrix) {
-      warnings.warn("a node that has a matrix cannot be animated and rests", target);
-      continue;
-    }
+    const JsonView place = channels[i].at("target");
+    auto target = find_target(place, document, count_of(root, "nodes"), warnings);
+    if (!target) continue;
     const JsonView sampler = samplers[channels[i].at("sampler").index(samplers.size(), "sampler")];
-    const Sampler values(sampler, type_of(path), reader);
-    const std::size_t expected = path == "rotation" ? 4 : path == "weights" ? values.width() : 3;
-    if (values.width() != expected) {
-      throw sampler.at("output").error(fmt::format("{} numbers for each key of a {}", values.width(), path));
+    const Sampler values(sampler, target->type, reader);
+    const std::size_t expected = shape_of(target->type).width;
+    if (expected > 0 && values.width() != expected) {
+      throw sampler.at("output").error(
+          fmt::format("{} numbers for each key of a {}", values.width(), target->tokens.back()));
     }
-    move(node, path, values.at(time, path == "rotation"));
+    values_.push_back({*std::move(target), values.at(time), place});
+  }
+}
+
+void AnimatedMoment::move_properties(MovedDocument& document) const {
+  for (const Value& value : values_) {
+    if (!value.target.is_of_node()) document.set(value.target, value.numbers, value.place, warnings_);
+  }
+}
+
+/// One for each morph target, of the node, else of its mesh, else 0.
+std::vector<float> AnimatedMoment::rest_weights(const FileNode& node, std::size_t index) const {
+  std::vector<float> weights = read_weights(root_.at("nodes")[index]);
+  if (weights.empty() && node.mesh) weights = read_weights(root_.at("meshes")[*node.mesh]);
+  return weights;
+}
+
+void AnimatedMoment::pose_nodes(std::vector<FileNode>& nodes) const {
+  for (const auto& [target, numbers, place] : values_) {
+    if (!target.is_of_node()) continue;
+    const std::size_t index = target.index(1);
+    FileNode& node = nodes[index];
+    const std::string& path = target.tokens[2];
+    if (target.tokens.size() == 4) {
+      if (!node.weights) node.weights = rest_weights(node, index);
+      const std::size_t element = target.index(3);
+      if (node.weights->size() <= element) node.weights->resize(element + 1, 0.0f);
+      (*node.weights)[element] = numbers[0];
+    } else if (node.has_matrix && path != "weights" && !(target.is_pointer && path == "translation")) {
+      // A pointer may move its last column: there is no other way to take a matrix apart without ambiguity.
+      warnings_.warn("a node that has a matrix cannot be animated and rests", place);
+    } else {
+      move(node, path, numbers);
+    }
   }
 }
 

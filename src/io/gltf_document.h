@@ -28,6 +28,7 @@ class GltfDocument {
 
   JsonView root() const;
   const nlohmann::json& json() const { return *json_; }
+  nlohmann::json& json() { return *json_; }
   std::span<const std::byte> binary_chunk() const { return binary_chunk_; }
   bool is_glb() const { return is_glb_; }
 

@@ -19,8 +19,10 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "EXT_mesh_gpu_instancing",
     "EXT_mesh_primitive_restart",
     "EXT_meshopt_compression",
+    "EXT_texture_astc",
     "KHR_accessor_float16",
     "KHR_accessor_float64",
+    "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
@@ -43,6 +45,7 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 });
 /// Describe the asset, what it sounds like, how it moves when someone plays with it, or another way to store what the
@@ -68,7 +71,6 @@ constexpr auto kUnseen = std::to_array<std::string_view>({
     "KHR_node_selectability",
     "KHR_physics_",
     "KHR_rigid_bodies",
-    "KHR_texture_basisu",
     "KHR_xmp",
     "KHR_xmp_json_ld",
     "MOZ_hubs_components",
@@ -87,7 +89,7 @@ constexpr auto kUnseen = std::to_array<std::string_view>({
 });
 /// Of them, images in another form: unseen where the file has them as PNG or JPEG too, needed where it requires them.
 constexpr auto kOtherImages =
-    std::to_array<std::string_view>({"EXT_texture_avif", "EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds"});
+    std::to_array<std::string_view>({"EXT_texture_avif", "EXT_texture_webp", "MSFT_texture_dds"});
 
 bool is_in(std::span<const std::string_view> list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();
@@ -99,6 +101,9 @@ bool is_unseen(std::string_view name) {
 }
 
 }  // namespace
+
+bool is_supported_extension(std::string_view name) { return is_in(kSupported, name); }
+bool is_unseen_extension(std::string_view name) { return is_unseen(name); }
 
 void sort_extensions(const GltfDocument& document, FileInfo& info) {
   std::optional<std::map<std::string, std::set<std::string>>> places;

@@ -1,10 +1,17 @@
 #pragma once
 
+#include <string_view>
+
 #include "io/gltf.h"
 #include "io/gltf_document.h"
 #include "io/gltf_warnings.h"
 
 namespace candela::io {
+
+/// Whether what an extension says is read.
+bool is_supported_extension(std::string_view name);
+/// Whether no pixel of a picture depends on one that is not read.
+bool is_unseen_extension(std::string_view name);
 
 /// Sorts the extensions that a file uses and requires into what is ignored, what no picture shows and what is missing.
 /// One whose data describe the asset as a whole changes no pixel whatever it is.

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -32,9 +33,10 @@ struct MaterialSet {
   std::vector<ImageSource> images;
 };
 
-/// Reads the materials with `used[i]`, plus the default one when asked for or when there is no other.
-MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, bool want_default, GltfBuffers& buffers,
-                           Warnings& warnings);
+/// Gathers the materials with `used[i]`, which `read` gives by the file's indices as read_material does, plus the
+/// default one when asked for or when there is no other.
+MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, bool want_default,
+                           const std::function<Material(std::size_t)>& read, GltfBuffers& buffers, Warnings& warnings);
 
 /// Of all images of a file together, eight bytes each at most: a hundred 4K textures fit, a folder of decompression
 /// bombs does not.

@@ -122,8 +122,8 @@ TextureSlot MaterialReader::slot(const JsonView& owner, const char* key) {
     warn(fmt::format("{} uses TEXCOORD_{}, which is beyond {}, and is ignored", key, set, kHighestSet), *info);
     return {};
   }
-  if (!root_.at("textures")[texture].find("source")) {
-    warn(fmt::format("{} has no PNG or JPEG image and is ignored", key), *info);
+  if (!texture_source(root_.at("textures")[texture])) {
+    warn(fmt::format("{} has no image in a format that is read and is ignored", key), *info);
     return {};
   }
   result.texture = static_cast<int>(texture);
@@ -385,6 +385,14 @@ Material MaterialReader::read() {
 }
 
 }  // namespace
+
+std::optional<JsonView> texture_source(const JsonView& texture) {
+  for (const char* name : {"KHR_texture_basisu", "EXT_texture_astc"}) {
+    const auto extension = texture.extension(name);
+    if (extension && extension->find("source")) return extension->find("source");
+  }
+  return texture.find("source");
+}
 
 Material read_material(const JsonView& root, const JsonView& json, std::size_t index, Warnings& warnings) {
   return MaterialReader(root, json, index, warnings).read();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "io/gltf_warnings.h"
 #include "io/json_view.h"
@@ -17,5 +18,9 @@ namespace candela::io {
 ///
 /// `"extras": {"candela": {"conductor": "gold"}}` makes the metallic part a measured metal (find_metal).
 Material read_material(const JsonView& root, const JsonView& json, std::size_t index, Warnings& warnings);
+
+/// The index of a texture's image: of an extension that has it in another form, before the one that every reader knows.
+/// Empty where there is none.
+std::optional<JsonView> texture_source(const JsonView& texture);
 
 }  // namespace candela::io

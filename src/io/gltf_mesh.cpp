@@ -493,6 +493,25 @@ void MeshReader::finish_tangents(const JsonView& json, Primitive& primitive) {
   }
 }
 
+std::vector<VertexNeeds> MeshReader::needs(const JsonView& json) const {
+  std::vector<VertexNeeds> result;
+  const JsonView primitives = json.at("primitives");
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    VertexNeeds& needs = result.emplace_back();
+    const auto of_file = material_of_primitive(primitives[i], material_of_file_.size(), variant_);
+    const int material = of_file ? material_of_file_[*of_file] : default_material_;
+    if (material < 0) continue;  // of points and lines, which are not read
+    const Material& m = materials_[static_cast<std::size_t>(material)];
+    const auto slots = texture_slots(m);
+    for (std::size_t k = 0; k < slots.size(); ++k) needs.uv_sets[k] = *slots[k] ? slots[k]->uv_set : -1;
+    const TextureSlot* slot = tangent_slot(m);
+    needs.has_tangents = slot != nullptr;
+    // Where in the texture they begin makes no difference to tangents.
+    if (slot != nullptr) needs.tangent_space = {slot->transform[0], slot->transform[1]};
+  }
+  return result;
+}
+
 std::optional<Primitive> MeshReader::read_primitive(const JsonView& json, const MeshPose& pose) {
   reader_.begin_primitive(json);
   const std::uint64_t mode = mode_of_primitive(json);

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "io/gltf_accessor.h"
@@ -40,6 +43,15 @@ std::uint64_t mode_of_primitive(const JsonView& primitive);
 /// "TEXCOORD_n"
 std::string uv_set_name(std::size_t set);
 
+/// What a material wants of the vertices that wear it: the same geometry serves materials that want the same.
+struct VertexNeeds {
+  std::array<int, std::tuple_size_v<decltype(texture_slots(std::declval<Material&>()))>> uv_sets{};  ///< -1: none
+  bool has_tangents = false;
+  std::array<vec2, 2> tangent_space{};  ///< how the texture that tangents follow is turned and stretched
+
+  bool operator==(const VertexNeeds&) const = default;
+};
+
 /// Turns primitives into triangles as the scene promises them.
 class MeshReader {
  public:
@@ -54,6 +66,9 @@ class MeshReader {
         variant_(variant) {}
 
   Mesh read(const JsonView& json, int file_index, const MeshPose& pose);
+
+  /// Of the materials of each primitive of a mesh.
+  std::vector<VertexNeeds> needs(const JsonView& json) const;
 
   /// Says once how many primitives were points or lines.
   void report_ignored(const JsonView& root);

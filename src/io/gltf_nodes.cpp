@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/gltf_pointer.h"
+
 namespace candela::io {
 
 namespace {
@@ -145,10 +147,8 @@ bool is_visibility_animated(const JsonView& root) {
   for (std::size_t i = 0; i < count_of(root, "animations"); ++i) {
     const auto channels = root.at("animations")[i].find("channels");
     for (std::size_t k = 0; channels && k < channels->size(); ++k) {
-      const auto target = (*channels)[k].find("target");
-      const auto extension = target ? target->extension("KHR_animation_pointer") : std::nullopt;
-      if (extension && extension->string_or("pointer").ends_with("/extensions/KHR_node_visibility/visible"))
-        return true;
+      const auto moved = pointer_extension((*channels)[k]);
+      if (moved && moved->string_or("pointer").ends_with("/extensions/KHR_node_visibility/visible")) return true;
     }
   }
   return false;
@@ -236,6 +236,11 @@ std::vector<vec4> read_colors(const Accessor& accessor, const JsonView& attribut
 }
 
 }  // namespace
+
+std::vector<float> read_weights(const JsonView& owner) {
+  const auto weights = owner.find("weights");
+  return weights ? weights->reals(weights->size()) : std::vector<float>();
+}
 
 Instances read_instances(const JsonView& extension, AccessorReader& reader, Warnings& warnings) {
   const JsonView attributes = extension.at("attributes");

@@ -51,6 +51,9 @@ struct FileScene {
 FileScene read_nodes(const JsonView& root, Warnings& warnings,
                      const std::function<void(std::vector<FileNode>&)>& pose = {});
 
+/// Weights of morph targets as a node or a mesh has them at rest; empty where it says none.
+std::vector<float> read_weights(const JsonView& owner);
+
 struct Instances {
   std::vector<mat4> node_from_instance;
   std::vector<vec4> colors;  ///< _COLOR_0, which three.js and Babylon.js write and read; as many, or none

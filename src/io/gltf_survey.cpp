@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "image/image_file.h"
 #include "io/gltf_material.h"
+#include "io/gltf_material_reader.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
 
@@ -45,6 +46,16 @@ void read_png_header(std::span<const std::byte> bytes, FileSurvey::Image& image)
     if (type == kData) return;
     at += kChunkFrame + big_endian(bytes, at);
   }
+}
+
+void read_texture_header(std::span<const std::byte> bytes, const std::string& label, FileSurvey::Image& image) {
+  image.texture = parse_texture_info(bytes, label);
+  const TextureInfo& info = *image.texture;
+  image.format = fmt::format("{}, {}", container_name(info.container), info.format);
+  if (info.supercompression != "none") image.format += ", " + info.supercompression;
+  const bool is_coded = info.block ? !info.block->is_hdr : !info.texel || texel_layout(*info.texel).type_bytes == 1;
+  image.bits = is_coded ? 8 : 16;
+  image.has_alpha = info.texel ? texel_layout(*info.texel).channels == 4 : info.channels == TextureChannels::rgba;
 }
 
 /// Whether a triangle has no area but for rounding, whichever way the compiler multiplies and adds.
@@ -131,7 +142,10 @@ void Surveyor::find_materials() {
       }
     }
   }
-  materials_ = read_materials(root_, used, want_default, buffers_, warnings_);
+  const auto read = [&](std::size_t index) {
+    return read_material(root_, root_.at("materials")[index], index, warnings_);
+  };
+  materials_ = read_materials(root_, used, want_default, read, buffers_, warnings_);
 }
 
 FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
@@ -149,6 +163,7 @@ FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
     const ImageFormat format = sniff_image_format(bytes);
     image.format = format_name(format);
     if (format == ImageFormat::png) read_png_header(bytes, image);
+    if (sniff_texture(bytes) == TextureContainer::ktx2) read_texture_header(bytes, source.label, image);
     const auto read = load_image({source.json, source.label, source.file_index, bytes, std::nullopt, std::nullopt},
                                  uris_, decode, texels);
     if (read == nullptr) {

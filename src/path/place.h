@@ -41,10 +41,10 @@ class Place {
   int index_ = 0;
   int sense_ = 1;  ///< 1 on the way that the ray came, -1 back
   union {
-    Ray arrival_;
+    Ray arrival_;  // NOLINT(readability-identifier-naming): private, but not to a tool that sees the union alone
   };
   union {
-    std::array<Hit, kMost> hits_;  ///< the first count_ hold something
+    std::array<Hit, kMost> hits_;  ///< the first count_ hold something  NOLINT(readability-identifier-naming)
   };
 };
 

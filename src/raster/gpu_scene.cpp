@@ -226,62 +226,79 @@ bool GpuMaterial::is_transmissive() const {
   return (key.lobes & shade::kLobeTransmission) != 0 && !key.is_unlit && !key.is_scattering;
 }
 
-GpuScene::GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
-  add_materials(scene, model, diagnostics);
-  set_geometry(scene);
+GpuScene::GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) : model_(model) {
+  set_scene(scene, diagnostics);
 }
 
-void GpuScene::set_geometry(const Scene& scene) {
-  primitives_.clear();
-  first_primitive_.clear();
-  draws_.clear();
-  triangle_count_ = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    first_primitive_.push_back(primitives_.size());
-    add_mesh(mesh);
-  }
-  first_primitive_.push_back(primitives_.size());
+void GpuScene::set_scene(const Scene& scene, Diagnostics& diagnostics) {
+  set_materials(scene, diagnostics);
+  set_meshes(scene);
+  find_attributes();
   find_alpha_modes(scene);
   add_draws(scene);
   gl::check("uploading the scene");
 }
 
-void GpuScene::add_mesh(const Mesh& mesh) {
-  for (const Primitive& p : mesh.primitives) {
-    GpuPrimitive& gpu = primitives_.emplace_back();
-    gpu.material = p.material;
-    gpu.index_count = static_cast<GLsizei>(3 * p.triangles.size());
-    for (const vec3& position : p.positions) gpu.bounds.extend(position);
-    if (!gpu.bounds.empty()) gpu.middle = 0.5f * gpu.bounds.lower + 0.5f * gpu.bounds.upper;
-    const std::vector<Vertex> vertices = interleave(p, gpu.middle);
-    glBindVertexArray(gpu.attributes);
-    glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(),
-                 GL_STATIC_DRAW);
-    attribute(0, 3, offsetof(Vertex, position), sizeof(Vertex));
-    attribute(1, 3, offsetof(Vertex, normal), sizeof(Vertex));
-    attribute(2, 4, offsetof(Vertex, tangent), sizeof(Vertex));
-    attribute(3, 4, offsetof(Vertex, uv), sizeof(Vertex));
-    attribute(4, 4, offsetof(Vertex, color), sizeof(Vertex));
-    const std::vector<int>& more_sets = materials_[static_cast<std::size_t>(p.material)].more_sets;
-    if (!more_sets.empty()) {
-      const std::vector<vec4> more = interleave_more(p, more_sets);
-      const std::size_t pairs = (more_sets.size() + 1) / 2;
-      glBindBuffer(GL_ARRAY_BUFFER, gpu.more_uvs);
-      glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(more.size() * sizeof(vec4)), more.data(), GL_STATIC_DRAW);
-      for (std::size_t k = 0; k < pairs; ++k) {
-        attribute(static_cast<GLuint>(9 + k), 4, k * sizeof(vec4), static_cast<GLsizei>(pairs * sizeof(vec4)));
-      }
+/// Keeps those meshes whose primitives are the same as before.
+void GpuScene::set_meshes(const Scene& scene) {
+  std::vector<GpuPrimitive> before = std::move(primitives_);
+  const std::vector<std::size_t> first_before = std::move(first_primitive_);
+  const std::vector<std::shared_ptr<const void>> meshes_before = std::move(meshes_);
+  primitives_.clear(), first_primitive_.clear(), meshes_.clear();
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const bool is_known = mesh.identity != nullptr && m < meshes_before.size() && meshes_before[m] == mesh.identity;
+    first_primitive_.push_back(primitives_.size());
+    meshes_.push_back(mesh.identity);
+    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+      primitives_.push_back(is_known ? std::move(before[first_before[m] + p]) : upload(mesh.primitives[p]));
     }
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.indices);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(p.triangles.size() * sizeof(uvec3)),
-                 p.triangles.data(), GL_STATIC_DRAW);
-    glBindVertexArray(0);
-    // A material does not know its meshes: the attributes that one of them has are read for all (others hold what
-    // changes nothing).
+  }
+  first_primitive_.push_back(primitives_.size());
+}
+
+GpuPrimitive GpuScene::upload(const Primitive& p) const {
+  GpuPrimitive gpu;
+  gpu.material = p.material;
+  gpu.has_colors = !p.colors.empty();
+  gpu.has_tangents = !p.tangents.empty();
+  gpu.index_count = static_cast<GLsizei>(3 * p.triangles.size());
+  for (const vec3& position : p.positions) gpu.bounds.extend(position);
+  if (!gpu.bounds.empty()) gpu.middle = 0.5f * gpu.bounds.lower + 0.5f * gpu.bounds.upper;
+  const std::vector<Vertex> vertices = interleave(p, gpu.middle);
+  glBindVertexArray(gpu.attributes);
+  glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(),
+               GL_STATIC_DRAW);
+  attribute(0, 3, offsetof(Vertex, position), sizeof(Vertex));
+  attribute(1, 3, offsetof(Vertex, normal), sizeof(Vertex));
+  attribute(2, 4, offsetof(Vertex, tangent), sizeof(Vertex));
+  attribute(3, 4, offsetof(Vertex, uv), sizeof(Vertex));
+  attribute(4, 4, offsetof(Vertex, color), sizeof(Vertex));
+  const std::vector<int>& more_sets = materials_[static_cast<std::size_t>(p.material)].more_sets;
+  if (!more_sets.empty()) {
+    const std::vector<vec4> more = interleave_more(p, more_sets);
+    const std::size_t pairs = (more_sets.size() + 1) / 2;
+    glBindBuffer(GL_ARRAY_BUFFER, gpu.more_uvs);
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(more.size() * sizeof(vec4)), more.data(), GL_STATIC_DRAW);
+    for (std::size_t k = 0; k < pairs; ++k) {
+      attribute(static_cast<GLuint>(9 + k), 4, k * sizeof(vec4), static_cast<GLsizei>(pairs * sizeof(vec4)));
+    }
+  }
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.indices);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(p.triangles.size() * sizeof(uvec3)), p.triangles.data(),
+               GL_STATIC_DRAW);
+  glBindVertexArray(0);
+  return gpu;
+}
+
+/// A material does not know its meshes: the attributes that one of them has are read for all (others hold what changes
+/// nothing).
+void GpuScene::find_attributes() {
+  for (const GpuPrimitive& p : primitives_) {
     MaterialKey& key = materials_[static_cast<std::size_t>(p.material)].key;
-    key.has_colors |= !p.colors.empty();
-    key.has_tangents |= !p.tangents.empty();
+    key.has_colors |= p.has_colors;
+    key.has_tangents |= p.has_tangents;
   }
 }
 
@@ -313,7 +330,47 @@ void GpuScene::find_alpha_modes(const Scene& scene) {
   }
 }
 
-void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics) {
+/// Textures stay where the scene has their images still, whatever number these have now.
+void GpuScene::keep_textures(const Scene& scene) {
+  std::map<const TextureImage*, int> number_of;
+  for (std::size_t i = 0; i < scene.images.size(); ++i) number_of.emplace(scene.images[i].get(), static_cast<int>(i));
+  const auto renumber = [&](int& image) {
+    if (image < 0) return true;
+    const auto found = number_of.find(images_[static_cast<std::size_t>(image)].get());
+    if (found != number_of.end()) image = found->second;
+    return found != number_of.end();
+  };
+  std::map<TextureSource, gl::Texture> kept;
+  for (auto& [source, texture] : textures_) {
+    TextureSource now = source;
+    if (renumber(now.image) && renumber(now.red.image) && renumber(now.alpha.image)) {
+      kept.emplace(now, std::move(texture));
+    }
+  }
+  textures_ = std::move(kept);
+  std::erase_if(alphas_, [&](const auto& entry) { return !number_of.contains(entry.first); });
+  images_ = scene.images;
+}
+
+AlphaRange GpuScene::alpha_of(const Scene& scene, const Material& m) {
+  AlphaRange range{m.opacity, m.opacity};
+  if (const TextureSlot& slot = m.base_color_texture) {
+    const int number = scene.textures[static_cast<std::size_t>(slot.texture)].image;
+    const TextureImage* image = scene.images[static_cast<std::size_t>(number)].get();
+    const auto [found, is_new] = alphas_.try_emplace(image);
+    if (is_new) found->second = alpha_of_image(*image);
+    range = range * found->second;
+  }
+  return range;
+}
+
+void GpuScene::set_materials(const Scene& scene, Diagnostics& diagnostics) {
+  const bool has_same_images = scene.images == images_;
+  if (has_same_images && scene.materials == uploaded_materials_ && scene.textures == uploaded_textures_) return;
+  if (!has_same_images) keep_textures(scene);
+  uploaded_materials_ = scene.materials;
+  uploaded_textures_ = scene.textures;
+  materials_.clear();
   GLint alignment = 256;
   glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
   const std::size_t stride = (sizeof(MaterialBlock) + static_cast<std::size_t>(alignment) - 1) /
@@ -324,9 +381,9 @@ void GpuScene::add_materials(const Scene& scene, const shade::ShadingModel& mode
     const Material& m = scene.materials[k];
     GpuMaterial& gpu = materials_.emplace_back();
     gpu.name = m.name.empty() ? "material " + std::to_string(number_of(scene.materials, k)) : m.name;
-    gpu.key = make_key(m, model);
+    gpu.key = make_key(m, model_);
     gpu.is_double_sided = m.double_sided;
-    if (m.alpha_mode != AlphaMode::opaque) gpu.alpha = alpha_of_material(scene, m);
+    if (m.alpha_mode != AlphaMode::opaque) gpu.alpha = alpha_of(scene, m);
     gpu.block = static_cast<GLintptr>(stride * k);
     gpu.more_sets = more_sets_of(m);
     limit_sets(gpu, diagnostics);
@@ -386,6 +443,8 @@ GLuint GpuScene::sampler_for(const Texture& texture) {
 }
 
 void GpuScene::add_draws(const Scene& scene) {
+  draws_.clear();
+  triangle_count_ = 0;
   for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
     const Node& node = scene.nodes[n];
     if (node.mesh < 0) continue;

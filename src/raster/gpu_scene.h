@@ -22,6 +22,7 @@ struct GpuPrimitive {
   gl::VertexArray attributes;
   GLsizei index_count = 0;
   int material = 0;
+  bool has_colors = false, has_tangents = false;
   Box3 bounds;        ///< in the mesh's space
   vec3 middle{0.0f};  ///< of them, which vertices are relative to
 };
@@ -59,7 +60,7 @@ struct GpuTriangles {
   GLsizei index_count = 0;
 };
 
-/// A scene as the driver has it. Geometry, textures and materials are uploaded once; what moves are `draws`.
+/// A scene as the driver has it. What one moment of it shares with the next is uploaded once.
 ///
 /// Positions are relative to an origin near the eye, subtracted in double precision, so that floats hold what is seen
 /// however far from the world's own origin it is.
@@ -68,8 +69,8 @@ class GpuScene {
   /// Warns of what the driver cannot hold as it is.
   GpuScene(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
 
-  /// Geometry of another moment of the same scene.
-  void set_geometry(const Scene& scene);
+  /// Another moment of the same scene: materials that differ, meshes that are not known to be the same.
+  void set_scene(const Scene& scene, Diagnostics& diagnostics);
   /// Places the draws of the scene that was given last about another origin (world).
   void set_origin(const Scene& scene, vec3 origin);
   vec3 origin() const { return origin_; }
@@ -106,18 +107,29 @@ class GpuScene {
   }
 
  private:
-  void add_mesh(const Mesh& mesh);
+  GpuPrimitive upload(const Primitive& primitive) const;
+  void set_meshes(const Scene& scene);
+  void find_attributes();
   void find_alpha_modes(const Scene& scene);
-  void add_materials(const Scene& scene, const shade::ShadingModel& model, Diagnostics& diagnostics);
+  void set_materials(const Scene& scene, Diagnostics& diagnostics);
+  void keep_textures(const Scene& scene);
+  AlphaRange alpha_of(const Scene& scene, const Material& material);
   void add_draws(const Scene& scene);
   void place_draws(const Scene& scene);
   void bind_draw(std::size_t first) const;
   GLuint texture_for(const Scene& scene, const TextureSource& source, Diagnostics& diagnostics);
   GLuint sampler_for(const Texture& texture);
 
+  shade::ShadingModel model_;
   std::vector<GpuPrimitive> primitives_;
-  std::vector<std::size_t> first_primitive_;  ///< of each mesh
+  std::vector<std::size_t> first_primitive_;         ///< of each mesh
+  std::vector<std::shared_ptr<const void>> meshes_;  ///< identities of those that primitives_ are of
   std::vector<GpuMaterial> materials_;
+  /// What materials_ and textures_ were made of.
+  std::vector<Material> uploaded_materials_;
+  std::vector<Texture> uploaded_textures_;
+  std::vector<std::shared_ptr<const TextureImage>> images_;
+  std::map<const TextureImage*, AlphaRange> alphas_;  ///< of some of images_
   gl::Buffer material_blocks_;
   gl::Buffer transforms_;  ///< world_from_object of each draw, three rows, and its node's colour
   std::map<TextureSource, gl::Texture> textures_;

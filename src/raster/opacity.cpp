@@ -7,13 +7,6 @@ namespace candela::raster {
 
 namespace {
 
-const TextureImage* image_of(const Scene& scene, const TextureSlot& slot) {
-  if (!slot) return nullptr;
-  const Texture& texture = scene.textures[static_cast<std::size_t>(slot.texture)];
-  const TextureImage& image = *scene.images[static_cast<std::size_t>(texture.image)];
-  return image.pixels.empty() ? nullptr : &image;
-}
-
 float alpha_at(const TextureImage& image, std::size_t texel) {
   if (image.bits != 16) return static_cast<float>(image.pixels[4 * texel + 3]) / 255.0f;
   std::uint16_t word = 0;
@@ -23,17 +16,15 @@ float alpha_at(const TextureImage& image, std::size_t texel) {
 
 }  // namespace
 
-AlphaRange alpha_of_material(const Scene& scene, const Material& material) {
-  AlphaRange range;
-  if (const TextureImage* image = image_of(scene, material.base_color_texture)) {
-    const auto texels = static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height);
-    range = {1.0f, 0.0f};
-    for (std::size_t i = 0; i < texels; ++i) {
-      const float a = alpha_at(*image, i);
-      range.least = std::min(range.least, a), range.most = std::max(range.most, a);
-    }
+AlphaRange alpha_of_image(const TextureImage& image) {
+  if (image.pixels.empty()) return {};
+  AlphaRange range{1.0f, 0.0f};
+  const auto texels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  for (std::size_t i = 0; i < texels; ++i) {
+    const float a = alpha_at(image, i);
+    range.least = std::min(range.least, a), range.most = std::max(range.most, a);
   }
-  return range * AlphaRange{material.opacity, material.opacity};
+  return range;
 }
 
 AlphaRange alpha_of_vertices(const Primitive& primitive) {

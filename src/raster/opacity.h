@@ -16,8 +16,8 @@ struct AlphaRange {
   AlphaRange operator*(const AlphaRange& other) const { return {least * other.least, most * other.most}; }
 };
 
-/// Of the material's factor times its texture, wherever on that it is looked up.
-AlphaRange alpha_of_material(const Scene& scene, const Material& material);
+/// Of a texture, wherever it is looked up.
+AlphaRange alpha_of_image(const TextureImage& image);
 /// Of the vertices' colours.
 AlphaRange alpha_of_vertices(const Primitive& primitive);
 

@@ -170,9 +170,10 @@ void add_open(Image glass, Film& film) {
   set_through(std::move(glass), film);
 }
 
-/// The mean of a view's frames, or of those that are drawn when it has to end.
+/// The mean of a view's frames, or of those that are drawn when it has to end. Where a moment wants light for sheen,
+/// which none before did, `light_sheen` gives it to the renderer.
 Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const MomentOf& moment,
-               const Settings& settings, Watcher& watcher, Statistics& s) {
+               const std::function<void()>& light_sheen, const Settings& settings, Watcher& watcher, Statistics& s) {
   Film film;
   film.beauty = Image(settings.width, settings.height, 4);
   Image through;
@@ -186,6 +187,7 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
       const Moment now = moment(picture_index, frame);
       view = now.view;
       renderer.set_scene(*now.scene);
+      if (renderer.lacks_sheen_light()) light_sheen();
       renderer.begin(view, light_point(frame, settings.frames));
     } else if (is_still && renderer.has_extended_lights()) {
       renderer.begin(view, light_point(frame, settings.frames));
@@ -197,7 +199,7 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
     const Image picture = renderer.read();
     const Image behind = renderer.read_through();
     const float share = 1.0f / static_cast<float>(settings.frames);
-    if (frame == 0) through = Image(behind.width, behind.height, behind.channels);
+    if (through.empty()) through = Image(behind.width, behind.height, behind.channels);
     for (std::size_t i = 0; i < behind.pixels.size(); ++i) {
       if (std::isfinite(behind.pixels[i])) through.pixels[i] += share * behind.pixels[i];
     }
@@ -251,23 +253,31 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
   s.open_s = parts_->open_s;
 
   // The light is baked while this thread, the driver's, uploads and compiles.
-  const auto bake = [&] {
+  const auto bake = [&](bool wants_sheen) {
     Stopwatch baking;
-    const LightKey key = light_key(environment, uses_sheen(scene));
+    const LightKey key = light_key(environment, wants_sheen);
     if (key != parts_->key) {
       parts_->light =
-          is_lit_from_far(environment) ? bake_light(environment, uses_sheen(scene), settings.cache) : BakedLight{};
+          is_lit_from_far(environment) ? bake_light(environment, wants_sheen, settings.cache) : BakedLight{};
       parts_->key = key;
     }
-    s.light_s = baking.lap();
+    s.light_s += baking.lap();
   };
-  std::future<void> baked = std::async(std::launch::async, bake);
+  std::future<void> baked = std::async(std::launch::async, bake, uses_sheen(scene));
   Settings used = settings;
   if (is_of_surface(used.quantity)) used.msaa = 1;  // numbers of two surfaces have no mean
   Renderer renderer(scene, environment, used, diagnostics);
   glFinish();
   s.upload_s = watch.lap();
   Watcher watcher(callbacks, views.size(), settings.frames);
+  const auto give_light = [&] {
+    renderer.set_light(settings.ambient == Ambient::baked ? parts_->light
+                                                          : simplified(parts_->light, settings.ambient));
+  };
+  const auto light_sheen = [&] {
+    bake(true);
+    give_light();
+  };
   for (std::size_t i = 0; i < views.size() && !s.interrupted; ++i) {
     watch.lap();
     renderer.begin(views[i]);
@@ -278,12 +288,11 @@ void Session::draw(const Scene& scene, const Environment& environment, const std
       s.compile_s = watch.lap();
       baked.get();
       s.is_light_cached = parts_->light.is_cached;
-      renderer.set_light(settings.ambient == Ambient::baked ? parts_->light
-                                                            : simplified(parts_->light, settings.ambient));
+      give_light();
       renderer.set_probes(parts_->probes);
       watch.lap();
     }
-    Film film = draw_view(renderer, views[i], i, moment, settings, watcher, s);
+    Film film = draw_view(renderer, views[i], i, moment, light_sheen, settings, watcher, s);
     s.frame_s += watch.lap();
     take(i, std::move(film));
     if (i + 1 < views.size() && watcher.must_stop()) s.interrupted = true;

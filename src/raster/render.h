@@ -80,8 +80,8 @@ struct Statistics {
   std::uint64_t non_finite_pixels = 0;  ///< must be 0; each is black in the picture
 };
 
-/// What one frame of a picture shows where things move: `scene` must have the materials, images and lights of the scene
-/// that is drawn, and live until the next moment is asked for.
+/// What one frame of a picture shows where things move: `scene` must be the scene that is drawn at another moment, with
+/// as many materials and the IES profiles of that, and live until the next moment is asked for.
 struct Moment {
   const Scene* scene = nullptr;
   View view;

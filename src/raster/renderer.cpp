@@ -139,7 +139,8 @@ void Renderer::set_light(const BakedLight& light) {
   light_levels_ = static_cast<int>(light.specular.levels.size());
   specular_ = upload_cube(light.specular);
   diffuse_ = upload_cube(cube_of_one_level(light.irradiance));
-  if (!light.sheen.empty()) sheen_ = upload_cube(light.sheen);
+  has_sheen_light_ = !light.sheen.empty();
+  if (has_sheen_light_) sheen_ = upload_cube(light.sheen);
 }
 
 void Renderer::set_probes(const std::vector<Probe>& probes) {
@@ -176,9 +177,16 @@ void Renderer::bind_probe(std::size_t draw, const gl::Program& program) {
 
 void Renderer::set_scene(const Scene& scene) {
   scene_ = &scene;
-  gpu_.set_geometry(scene);
+  gpu_.set_scene(scene, told_);
   find_area_lights(told_);
+  // What begins to scatter or to transmit draws into pictures that nothing needed before.
+  if (wants_scattering() > has_scattering_ || wants_opaque_picture() > has_opaque_picture_) make_targets();
 }
+
+bool Renderer::lacks_sheen_light() const { return has_light_ && !has_sheen_light_ && gpu_.has_lobe(shade::kLobeSheen); }
+
+bool Renderer::wants_scattering() const { return gpu_.has_scattering() && !is_of_surface(settings_.quantity); }
+bool Renderer::wants_opaque_picture() const { return gpu_.has_lobe(shade::kLobeTransmission); }
 
 void Renderer::find_area_lights(Diagnostics& diagnostics) {
   areas_ = find_areas(*scene_, gpu_, sky_, diagnostics);
@@ -278,7 +286,9 @@ void Renderer::make_targets() {
   glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_.color);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target_.depth);
-  has_scattering_ = gpu_.has_scattering() && !is_of_surface(settings_.quantity);
+  // At another moment what a scene has now may be gone, and come back.
+  has_scattering_ |= wants_scattering();
+  has_opaque_picture_ |= wants_opaque_picture();
   if (has_scattering_) {
     for (std::size_t i = 0; i < scattered_.size(); ++i) {
       glBindRenderbuffer(GL_RENDERBUFFER, scattered_samples_[i]);
@@ -288,7 +298,7 @@ void Renderer::make_targets() {
     }
   }
   has_through_ = settings_.background == Background::transparent && !settings_.environment_in_glass &&
-                 gpu_.has_lobe(shade::kLobeTransmission) && is_whole(settings_.quantity);
+                 has_opaque_picture_ && is_whole(settings_.quantity);
   if (has_through_) {
     glBindRenderbuffer(GL_RENDERBUFFER, through_samples_);
     glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
@@ -312,7 +322,7 @@ void Renderer::make_targets() {
     make_picture(scattered_[i], scattered_framebuffer_[i], GL_NEAREST);
   }
   if (has_through_) make_picture(through_, through_framebuffer_, GL_NEAREST);
-  if (gpu_.has_lobe(shade::kLobeTransmission)) {
+  if (has_opaque_picture_) {
     make_picture(opaque_picture_, picture_framebuffer_, GL_LINEAR_MIPMAP_LINEAR);
     picture_levels_ = 1 + static_cast<int>(std::log2(static_cast<float>(std::max(w, h))));
   }

@@ -25,8 +25,11 @@ class Renderer {
   void set_light(const BakedLight& light);
   /// Instead of what set_light() gave, for draws as near to them as to no other.
   void set_probes(const std::vector<Probe>& probes);
-  /// Another moment of the same scene; it must outlive what is drawn of it. begin() has to follow.
+  /// Another moment of the same scene; it must outlive what is drawn of it. begin() has to follow, and set_light()
+  /// where it lacks_sheen_light().
   void set_scene(const Scene& scene);
+  /// Whether something has a sheen since, for which the light was not baked.
+  bool lacks_sheen_light() const;
 
   /// Lets the driver compile what the frames of a view need, without drawing any pixel that counts.
   void warm_up(const View& view);
@@ -69,6 +72,8 @@ class Renderer {
     gl::Renderbuffer color, depth;
   };
 
+  bool wants_scattering() const;
+  bool wants_opaque_picture() const;
   void make_targets();
   void make_occlusion_targets();
   void draw_occlusion(const std::vector<std::size_t>& opaque, const FrameCamera& camera);
@@ -125,6 +130,7 @@ class Renderer {
   Diagnostics told_;  ///< warnings that were given before
   std::set<GLintptr> told_materials_;
   bool has_light_ = false;
+  bool has_sheen_light_ = false;
   bool expects_light_ = false;  ///< the environment is more than suns
   int frame_ = 0;
   int light_levels_ = 1;
@@ -134,7 +140,8 @@ class Renderer {
   std::array<gl::Texture, 2> visibility_;  ///< as found, and its mean
   gl::Framebuffer depth_framebuffer_, culled_framebuffer_;
   std::array<gl::Framebuffer, 2> visibility_framebuffer_;
-  bool has_scattering_ = false;           ///< something in the scene spreads light, and the picture shows it
+  bool has_scattering_ = false;           ///< something may spread light, and the picture shows it
+  bool has_opaque_picture_ = false;       ///< something may let light through
   std::array<gl::Texture, 2> scattered_;  ///< light that spreads, and how wide
   std::array<gl::Renderbuffer, 2> scattered_samples_;
   std::array<gl::Framebuffer, 2> scattered_framebuffer_;

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "image/texture_file.h"
 
 namespace candela {
 
@@ -11,11 +14,12 @@ namespace candela {
 struct FileSurvey {
   struct Image {
     std::string name;            ///< of the image, else of its file; may be empty
-    std::string format;          ///< "PNG" or "JPEG"; else what it looks like, or "unknown"
+    std::string format;          ///< "PNG", "JPEG" or "KTX 2, uastc-4x4, zstd"; else what it looks like, or "unknown"
     std::size_t file_bytes = 0;  ///< encoded; 0 where they cannot be had
     int bits = 8;                ///< per channel
     bool has_alpha = false;      ///< a channel of its own, or transparent colours of a PNG
-    std::string error;           ///< why it cannot be read, with its place; empty = it can
+    std::optional<TextureInfo> texture;  ///< what a KTX 2 says of itself
+    std::string error;                   ///< why it cannot be read, with its place; empty = it can
     int file_index = -1;
   };
 

@@ -33,6 +33,8 @@ struct Texture {
   Wrap wrap_v = Wrap::repeat;
   Filter filter = Filter::linear;  ///< magnification; minification is by supersampling (path) or mips (raster)
   int file_index = -1;
+
+  bool operator==(const Texture&) const = default;
 };
 
 /// A texture as one slot of a material uses it. uv' = transform * (uv, 1), columns of a 2×3 matrix
@@ -43,6 +45,7 @@ struct TextureSlot {
   std::array<vec2, 3> transform{vec2(1, 0), vec2(0, 1), vec2(0, 0)};
 
   explicit operator bool() const { return texture >= 0; }
+  bool operator==(const TextureSlot&) const = default;
   vec2 apply(vec2 uv) const { return transform[0] * uv.x + transform[1] * uv.y + transform[2]; }
 };
 
@@ -138,6 +141,7 @@ struct Material {
 
   int file_index = -1;  ///< glTF's default material has the number after the file's last
 
+  bool operator==(const Material&) const = default;
   bool is_conductor() const { return max_component(conductor_k) > 0.0f; }
   /// Whether light that enters goes through a body (KHR_materials_volume) rather than a sheet.
   bool has_volume() const { return thickness > 0.0f; }
@@ -243,6 +247,9 @@ struct Mesh {
   std::string name;
   std::vector<Primitive> primitives;
   int file_index = -1;
+  /// Meshes that share one have equal primitives, so that what was made of them may serve again. Null = nothing is
+  /// known; who changes a mesh that has one takes it away.
+  std::shared_ptr<const void> identity = nullptr;
 };
 
 struct PerspectiveCamera {

@@ -119,6 +119,7 @@ class Curve {
 
 void make_ggx() {
   std::vector<Curve> curves;
+  curves.reserve(kTableCurves);
   for (int c = 0; c < kTableCurves; ++c) curves.emplace_back(c);
   for (int r = 0; r < kTableRoughness; ++r) {
     const float alpha = roughness_to_alpha(roughness_at(r, kTableRoughness));
@@ -270,6 +271,7 @@ vec3 arriving(int i, int count) { return direction(std::sqrt((i + 0.5) / count))
 void make_walks() {
   constexpr int kWalks = 65536;
   std::vector<Curve> curves;
+  curves.reserve(kTableCurves);
   for (int c = 0; c < kTableCurves; ++c) curves.emplace_back(c);
   for (int r = kTableRoughness - 1; r >= 0; --r) {
     if (!is_walked(r)) {

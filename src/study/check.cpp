@@ -44,6 +44,7 @@ std::vector<Finding> check_asset(const CheckInput& input) {
   check_file(input, findings);
   StopScope::check();
   check_textures(input.scene, surfaces, findings);
+  check_texture_files(input, findings);
   StopScope::check();
   check_normal_maps(input.scene, surfaces, findings);
   StopScope::check();

@@ -21,6 +21,7 @@ struct Doubtful {
 };
 constexpr auto kDoubtful = std::to_array<Doubtful>({
     {"EXT_lights_ies", "a multi-vendor extension that few viewers read"},
+    {"EXT_texture_astc", "a draft"},
     {"KHR_materials_pbrSpecularGlossiness", "archived; viewers drop it, and show metallic-roughness instead"},
     {"KHR_materials_scatter", "a draft"},
     {"KHR_materials_volume_scatter", "a draft"},

@@ -10,6 +10,8 @@ namespace candela::study {
 
 void check_surfaces(const Scene& scene, const std::vector<MaterialSurface>& surfaces, std::vector<Finding>& findings);
 void check_textures(const Scene& scene, const std::vector<MaterialSurface>& surfaces, std::vector<Finding>& findings);
+/// What texture files say of themselves, against what their slots are.
+void check_texture_files(const CheckInput& input, std::vector<Finding>& findings);
 void check_normal_maps(const Scene& scene, const std::vector<MaterialSurface>& surfaces,
                        std::vector<Finding>& findings);
 void check_volumes(const Scene& scene, std::vector<Finding>& findings);

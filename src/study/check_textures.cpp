@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "study/check_parts.h"
@@ -147,7 +148,114 @@ void find_normal_maps_among_colors(const Scene& scene, const std::vector<Materia
   }
 }
 
+// ----- KTX 2: KHR_texture_basisu, "Additional requirements"
+
+Finding of_texture(Severity severity, const char* code, const Place& place, std::string message, std::string fix) {
+  Finding f;
+  f.severity = severity;
+  f.code = code;
+  f.material = place.material;
+  f.texture = place.texture;
+  f.message = std::move(message);
+  f.fix = std::move(fix);
+  return f;
+}
+
+const char* transfer_name(int transfer) {
+  switch (transfer) {
+    case 0:
+      return "nothing of the transfer function";
+    case ColorSpace::kLinear:
+      return "that its numbers are linear";
+    case ColorSpace::kSrgb:
+      return "that its numbers are sRGB";
+    default:
+      return "another transfer function";
+  }
+}
+
+/// The slot decides how codes are decoded; a viewer that goes by the file shows something else.
+void judge_color_space(const ColorSpace& space, const Place& place, std::vector<Finding>& findings) {
+  const bool is_color = kUses[place.slot] == Use::color;
+  const std::string_view slot = kTextureSlotNames[place.slot];
+  const int transfer = is_color ? ColorSpace::kSrgb : ColorSpace::kLinear;
+  if (space.transfer != transfer) {
+    findings.push_back(of_texture(Severity::warning, "ktx-transfer", place,
+                                  fmt::format("{} is read as {}, and its KTX 2 says {}", slot,
+                                              is_color ? "sRGB" : "linear data", transfer_name(space.transfer)),
+                                  fmt::format("write it with the transfer function {}", is_color ? "sRGB" : "linear")));
+  }
+  // Encoders write Rec.709 for data too; it does no harm.
+  if (is_color && space.primaries != ColorSpace::kRec709) {
+    findings.push_back(
+        of_texture(space.primaries == 0 ? Severity::note : Severity::warning, "ktx-primaries", place,
+                   space.primaries == 0
+                       ? fmt::format("{} has colours, and its KTX 2 does not say of which primaries", slot)
+                       : fmt::format("{} is read with the primaries of Rec.709, and its KTX 2 says others (number {})",
+                                     slot, space.primaries),
+                   "convert it to Rec.709, and say so"));
+  }
+  if (space.is_premultiplied) {
+    findings.push_back(of_texture(Severity::warning, "ktx-premultiplied", place,
+                                  fmt::format("{} has colours that are multiplied by alpha already", slot),
+                                  "write it with straight alpha"));
+  }
+}
+
+void judge_texture_file(const TextureInfo& info, const Place& place, bool allows_astc, std::vector<Finding>& findings) {
+  const auto key = [&info](const char* name, std::string_view plain) -> std::optional<std::string> {
+    const auto found = info.key_values.find(name);
+    return found == info.key_values.end() || found->second == plain ? std::nullopt : std::optional(found->second);
+  };
+  if (const auto swizzle = key("KTXswizzle", "rgba")) {
+    findings.push_back(
+        of_texture(Severity::warning, "ktx-swizzle", place,
+                   fmt::format("KTXswizzle is \"{}\": glTF allows rgba alone, and it is not followed", *swizzle),
+                   "store the channels in their order"));
+  }
+  if (const auto orientation = key("KTXorientation", "rd")) {
+    findings.push_back(
+        of_texture(Severity::warning, "ktx-orientation", place,
+                   fmt::format("KTXorientation is \"{}\": glTF allows rd alone, and it is not followed", *orientation),
+                   "store the top row first"));
+  }
+  const bool is_basis =
+      info.block && (info.block->codec == BlockCodec::etc1s || info.block->codec == BlockCodec::uastc);
+  if (!is_basis && !(info.block && allows_astc)) {
+    findings.push_back(
+        of_texture(Severity::warning, "ktx-format", place,
+                   fmt::format("its KTX 2 holds {}; KHR_texture_basisu allows ETC1S and UASTC", info.format),
+                   "encode it as ETC1S or UASTC"));
+  }
+  if (is_basis && (info.width % 4 != 0 || info.height % 4 != 0)) {
+    findings.push_back(
+        of_texture(Severity::warning, "ktx-size", place,
+                   fmt::format("{} x {} texels: KHR_texture_basisu allows multiples of 4, and WebGL cannot "
+                               "show others in blocks",
+                               info.width, info.height),
+                   "resize it"));
+  }
+  if (info.color_space && kUses[place.slot] != Use::alpha) judge_color_space(*info.color_space, place, findings);
+}
+
 }  // namespace
+
+void check_texture_files(const CheckInput& input, std::vector<Finding>& findings) {
+  if (input.survey == nullptr) return;
+  const auto& used = input.extensions_used;
+  const bool allows_astc = std::find(used.begin(), used.end(), "EXT_texture_astc") != used.end();
+  for (const auto& [image, places] : places_of_images(input.scene)) {
+    const auto index = static_cast<std::size_t>(image);
+    if (index >= input.survey->images.size()) continue;
+    const FileSurvey::Image& file = input.survey->images[index];
+    if (!file.texture || !file.error.empty()) continue;
+    // Once for an image: where it is a colour, else where it is more than alpha.
+    const auto first = [&places](auto fits) { return std::find_if(places.begin(), places.end(), fits); };
+    auto place = first([](const Place& p) { return kUses[p.slot] == Use::color; });
+    if (place == places.end()) place = first([](const Place& p) { return kUses[p.slot] != Use::alpha; });
+    judge_texture_file(*file.texture, place == places.end() ? places.front() : *place, allows_astc, findings);
+  }
+}
 
 void check_textures(const Scene& scene, const std::vector<MaterialSurface>& surfaces, std::vector<Finding>& findings) {
   find_shared_images(scene, findings);

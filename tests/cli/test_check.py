@@ -369,6 +369,93 @@ class Maps(CheckTest):
         self.clean(asset)
 
 
+def ktx2(width=8, height=8, color=(170, 170, 170), model=166, vk_format=0, transfer=2, primaries=1, flags=0, keys=None):
+    """A KTX 2 of one plain colour in blocks of UASTC (mode 8), or what else the words say."""
+    bits = 0x17
+    for i, code in enumerate((*color, 255)):
+        bits |= code << (5 + 8 * i)
+    data = bits.to_bytes(16, "little") * (((width + 3) // 4) * ((height + 3) // 4))
+    if vk_format == 43:
+        data = bytes((*color, 255)) * (width * height)
+    pairs = b""
+    for key, value in (keys or {}).items():
+        pair = key.encode() + b"\0" + value.encode() + b"\0"
+        pairs += struct.pack("<I", len(pair)) + pair + b"\0" * (-len(pair) % 4)
+    descriptor = struct.pack("<IIHHBBBB8s8s", 44, 0, 2, 40, model, primaries, transfer, flags, b"\3\3", b"\x10")
+    descriptor += struct.pack("<IIII", 127 << 16 | 3 << 24, 0, 0, 0xFFFFFFFF)
+    at = 104 + len(descriptor) + len(pairs)
+    head = b"\xabKTX 20\xbb\r\n\x1a\n" + struct.pack("<9I", vk_format, 1, width, height, 0, 0, 1, 1, 0)
+    head += struct.pack("<4I2Q", 104, len(descriptor), 104 + len(descriptor) if pairs else 0, len(pairs), 0, 0)
+    return head + struct.pack("<3Q", at, len(data), len(data)) + descriptor + pairs + data
+
+
+class TextureFiles(CheckTest):
+    """What a KTX 2 says of itself, against its slot and what glTF allows."""
+
+    def asset(self, slot, file, extension="KHR_texture_basisu"):
+        asset = Asset()
+        texture = asset.texture(data_uri(file, "image/ktx2"))
+        source = asset.json["textures"][0].pop("source")
+        asset.json["textures"][0]["extensions"] = {extension: {"source": source}}
+        asset.extension(extension, required=True)
+        material = {
+            "baseColorTexture": pbr((1, 1, 1), baseColorTexture=texture),
+            "metallicRoughnessTexture": pbr(roughness=1, metallicRoughnessTexture=texture),
+            "occlusionTexture": pbr(occlusionTexture=texture),
+        }[slot]
+        asset.quad(asset.material(material))
+        return asset
+
+    def test_what_gltf_asks_for_is_clean(self):
+        self.clean(self.asset("baseColorTexture", ktx2()))
+        data = ktx2(color=(255, 150, 0), transfer=1, primaries=0)
+        self.clean(self.asset("metallicRoughnessTexture", data))
+        self.clean(self.asset("occlusionTexture", ktx2(transfer=1, primaries=1)))  # as encoders write it
+        self.clean(self.asset("baseColorTexture", ktx2(keys={"KTXswizzle": "rgba", "KTXorientation": "rd"})))
+
+    def test_transfer_functions(self):
+        for transfer in (0, 1, 5):
+            self.only(self.asset("baseColorTexture", ktx2(transfer=transfer)), "ktx-transfer", "warning")
+        found = self.only(self.asset("occlusionTexture", ktx2(transfer=2)), "ktx-transfer", "warning")
+        self.assertIn("read as linear data", found["message"])
+
+    def test_the_slot_decides_whatever_the_file_says(self):
+        pictures = []
+        for transfer in (1, 2):
+            self.write(self.asset("baseColorTexture", ktx2(transfer=transfer)))
+            self.succeeds("render", "a.gltf", "-o", "a.png", "--size", "32x32", "--spp", "4")
+            pictures.append((self.folder / "a.png").read_bytes())
+        self.assertEqual(*pictures)
+
+    def test_primaries(self):
+        self.only(self.asset("baseColorTexture", ktx2(primaries=10)), "ktx-primaries", "warning")
+        self.only(self.asset("baseColorTexture", ktx2(primaries=0)), "ktx-primaries", "note")
+
+    def test_what_is_not_followed(self):
+        for keys, code in (({"KTXswizzle": "rg01"}, "ktx-swizzle"), ({"KTXorientation": "ru"}, "ktx-orientation")):
+            self.only(self.asset("baseColorTexture", ktx2(keys=keys)), code, "warning")
+        self.only(self.asset("baseColorTexture", ktx2(flags=1)), "ktx-premultiplied", "warning")
+
+    def test_sizes(self):
+        for size in ((6, 8), (8, 7), (1, 1)):
+            self.only(self.asset("baseColorTexture", ktx2(*size)), "ktx-size", "warning")
+
+    def test_formats(self):
+        plain = ktx2(model=1, vk_format=43)
+        self.only(self.asset("baseColorTexture", plain), "ktx-format", "warning")
+        found = self.findings(self.asset("baseColorTexture", ktx2(model=134, vk_format=145)))[0]
+        self.assertEqual(found["code"], "texture-unreadable")
+        self.assertIn("bc7", found["message"])
+
+    def test_astc_is_uncommon(self):
+        block = b"\xfc\xfd" + b"\xff" * 6 + b"\xaa" * 6 + b"\xff\xff"
+        file = bytearray(ktx2(model=162, vk_format=158))
+        file[-64:] = block * 4
+        self.only(self.asset("baseColorTexture", bytes(file), "EXT_texture_astc"), "extension-uncommon", "note")
+        codes = [f["code"] for f in self.findings(self.asset("baseColorTexture", bytes(file)))]
+        self.assertEqual(codes, ["ktx-format"])
+
+
 class Bodies(CheckTest):
     def glass(self, thickness=1.0, **volume):
         extensions = {

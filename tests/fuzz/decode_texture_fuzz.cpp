@@ -12,5 +12,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (face.empty()) std::abort();
   } catch (const Error&) {
   }
+  try {
+    if (decode_texture_pixels(std::as_bytes(std::span(data, size)), {}, kMostBytes).pixels.empty()) std::abort();
+  } catch (const Error&) {
+  }
   return 0;
 }

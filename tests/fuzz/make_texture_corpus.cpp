@@ -16,6 +16,8 @@ int main(int argc, char** argv) {
     int i = 0;
     for (const auto& seed : candela::test::texture_seeds())
       candela::write_file(folder / ("seed_" + std::to_string(i++)), seed);
+    for (const auto& seed : candela::test::block_seeds())
+      candela::write_file(folder / ("seed_" + std::to_string(i++)), seed);
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

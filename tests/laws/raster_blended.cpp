@@ -98,7 +98,7 @@ Scene everything(AlphaMode mode, Whole whole) {
     }
     if (whole == Whole::part_of_a_texture) {
       // Its right half, where nobody looks it up, shows everything.
-      std::vector<std::uint8_t> half(4 * 8 * 8, 255);
+      std::vector<std::uint8_t> half(std::size_t{4} * 8 * 8, 255);
       for (std::size_t i = 0; i < 64; ++i) half[4 * i + 3] = i % 8 < 4 ? 255 : 0;
       m.base_color_texture = slot(b.add_texture(8, 8, half));
       m.base_color_texture.transform = {vec2(0.1f, 0.0f), vec2(0.0f, 0.1f), vec2(0.15f)};
@@ -325,7 +325,7 @@ TEST_F(law_raster_blended, a_blended_lamp_lights_by_what_of_it_is_there) {
     b.add(plane(vec3(0.0f), 2.0f), matte(vec3(0.8f)));
     Material glow = blended(lamp(vec3(20.0f)), has_texture ? 1.0f : 0.4f);
     if (has_texture) {
-      std::vector<std::uint8_t> halves(4 * 64, 255);
+      std::vector<std::uint8_t> halves(std::size_t{4} * 64, 255);
       for (std::size_t i = 0; i < 64; ++i) halves[4 * i + 3] = i % 2 == 0 ? 255 : 51;
       glow.base_color_texture = slot(b.add_texture(8, 8, halves));
     }
@@ -346,7 +346,7 @@ TEST_F(law_raster_blended, an_alpha_that_equals_its_cutoff_is_there) {
     for (const float above : {0.0f, 2.0f}) {  // texels beyond the cutoff, in steps of 8 bits
       SceneBuilder b;
       b.add(square({0, 0, -0.5f}, 2.0f), matte(vec3(0.8f)));
-      const auto add = [&](float x, Material m, Primitive p) {
+      const auto add = [&](float x, Material m, const Primitive& p) {
         m.alpha_mode = AlphaMode::mask;
         b.add(moved(p, {x, 0.2f, 0.0f}), m);
       };
@@ -356,7 +356,7 @@ TEST_F(law_raster_blended, an_alpha_that_equals_its_cutoff_is_there) {
       Material by_texture = unlit(vec3(1.0f));
       by_texture.alpha_cutoff = (128.0f + above) / 255.0f;
       // Beside the texels there is one more that is cut out either way.
-      std::vector<std::uint8_t> texels(4 * 64, 255);
+      std::vector<std::uint8_t> texels(std::size_t{4} * 64, 255);
       for (std::size_t i = 0; i < 64; ++i) texels[4 * i + 3] = i == 63 ? 0 : 128;
       by_texture.base_color_texture = slot(b.add_texture(8, 8, texels));
       by_texture.base_color_texture.transform = {vec2(0.1f, 0.0f), vec2(0.0f, 0.1f), vec2(0.4f)};
@@ -386,7 +386,7 @@ TEST_F(law_raster_blended, a_cutoff_of_0_cuts_nothing) {
   SceneBuilder b;
   Material m = unlit(vec3(1.0f));
   m.alpha_mode = AlphaMode::mask, m.alpha_cutoff = 0.0f;
-  std::vector<std::uint8_t> texels(4 * 64, 255);
+  std::vector<std::uint8_t> texels(std::size_t{4} * 64, 255);
   for (std::size_t i = 0; i < 64; ++i) texels[4 * i + 3] = static_cast<std::uint8_t>(i % 2 * 255);
   m.base_color_texture = slot(b.add_texture(8, 8, texels, Filter::nearest));
   b.add(square(vec3(0.0f), 1.83f), m);  // pixels lie across its texels

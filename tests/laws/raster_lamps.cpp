@@ -170,7 +170,8 @@ TEST_F(law_raster_lamps, many_lamps_keep_their_power) {
     b.add(plane(vec3(0.0f), 3.0f), matte(vec3(0.8f)));
     Primitive all;
     for (int i = 0; i < 36; ++i) {
-      const vec3 at(0.5f * static_cast<float>(i % 6) - 1.25f, 2.0f, 0.5f * static_cast<float>(i / 6) - 1.25f);
+      const int row = i / 6, column = i % 6;
+      const vec3 at(0.5f * static_cast<float>(column) - 1.25f, 2.0f, 0.5f * static_cast<float>(row) - 1.25f);
       const Primitive one = is_panel ? ceiling_panel(at, 0.1f) : sphere(at, 0.05f, 2, false);
       all = i == 0 ? one : joined(all, one);
     }

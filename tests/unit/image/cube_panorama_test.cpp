@@ -17,7 +17,7 @@ using Imath::V2f;
 using Imath::V2i;
 
 vec3 color_of(vec3 d) { return vec3(0.5f) + 0.5f * glm::normalize(d); }
-vec3 to_vec3(Imath::V3f v) { return {v.x, v.y, v.z}; }
+vec3 to_vec3(const Imath::V3f& v) { return {v.x, v.y, v.z}; }
 
 Image openexr_cube(int size) {
   const Box2i window(V2i(0, 0), V2i(size - 1, 6 * size - 1));

@@ -97,7 +97,7 @@ class ExrMeaning : public testing::Test {
   std::filesystem::path path() const { return folder_ / "a.exr"; }
   ImageFile read(const std::string& layer = "") const { return read_image_file({path(), layer}); }
 
-  void write(Imf::Header header, const Channels& channels) const {
+  void write(const Imf::Header& header, const Channels& channels) const {
     Imf::OutputFile file(path().c_str(), header);
     write_pixels(file, channels);
   }
@@ -232,7 +232,8 @@ TEST_F(unit_image_exr_meaning, a_layer_is_named_after_a_colon_and_a_file_of_that
 TEST_F(unit_image_exr_meaning, luminance_and_chroma_become_colours) {
   // Even pixels have chroma; the picture is flat over 2 x 2 blocks, so that nothing is lost.
   const auto rgb = [](int x, int y) {
-    return 70000.0f * vec3(1.0f + static_cast<float>(x / 2), 4.0f - static_cast<float>(y / 2), 2.0f);
+    const int column = x / 2, row = y / 2;
+    return 70000.0f * vec3(1.0f + static_cast<float>(column), 4.0f - static_cast<float>(row), 2.0f);
   };
   const auto luma = [&](int x, int y) { return luminance(rgb(x, y)); };
   for (const int sampling : {1, 2}) {

@@ -213,7 +213,8 @@ TEST(unit_image_png, sizes_that_cannot_be_are_refused_before_the_pixels_are_allo
 
 TEST(unit_image_png, what_is_too_large_is_called_so_and_not_damaged) {
   // 32768 x 8 is a valid PNG, and so are all sizes below 2^31.
-  for (const auto& [width, height] : {std::pair{16385, 1}, {1, 16385}, {32768, 8}, {8, 1 << 24}, {2147483647, 1}}) {
+  for (const auto& [width, height] :
+       {std::pair{16385u, 1u}, {1u, 16385u}, {32768u, 8u}, {8u, 1u << 24}, {2147483647u, 1u}}) {
     for (const bool decodes : {false, true}) {
       try {
         const auto bytes = with_size(width, height);

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "image/texture_file.h"
+#include "unit/image/basis_files.h"
+#include "unit/image/ktx2_builder.h"
 
 namespace candela::test {
 
@@ -40,6 +42,24 @@ inline std::vector<std::vector<std::byte>> texture_seeds() {
   seeds.push_back(encode_texture(table, options, loss, "seed"));
   options.container = TextureContainer::dds;
   seeds.push_back(encode_texture(table, options, loss, "seed"));
+  return seeds;
+}
+
+/// The same with texels in blocks: universal formats and ASTC.
+inline std::vector<std::vector<std::byte>> block_seeds() {
+  std::vector<std::vector<std::byte>> seeds;
+  for (const char* name : kBasisFiles) seeds.push_back(basis_file(name));
+  // ASTC of plain colours needs no encoder.
+  for (const std::uint32_t vk_format : {157u, 184u, 1000066000u}) {
+    Ktx2 file{.vk_format = vk_format, .width = 9, .height = 3, .model = 162, .channels = {0}};
+    const std::size_t blocks = vk_format == 184u ? 1 : 3;
+    file.levels = {std::vector<std::byte>(16 * blocks, std::byte{0xff})};
+    for (std::size_t i = 0; i < blocks; ++i) {
+      file.levels[0][16 * i] = std::byte{0xfc};
+      file.levels[0][16 * i + 1] = vk_format == 1000066000u ? std::byte{0xff} : std::byte{0xfd};
+    }
+    seeds.push_back(file.bytes());
+  }
   return seeds;
 }
 

@@ -194,7 +194,7 @@ TEST(unit_io_gltf, extensions_are_refused_ignored_or_silent) {
 TEST(unit_io_gltf, extension_data_that_changes_no_pixel_is_a_note) {
   // Known to be unseen; or never heard of, but about the asset as a whole.
   for (const char* name : {"KHR_xmp_json_ld", "KHR_physics_rigid_bodies", "OMI_seat", "MSFT_audio_emitter",
-                           "EXT_structural_metadata", "KHR_texture_basisu"}) {
+                           "EXT_structural_metadata", "MSFT_texture_dds"}) {
     Builder b = triangle();
     b.root["extensionsUsed"] = {name};
     b.root["nodes"][0]["extensions"][name] = json::object();
@@ -217,8 +217,8 @@ TEST(unit_io_gltf, extension_data_that_changes_no_pixel_is_a_note) {
   EXPECT_EQ(error_of(b), "loaded");
   b.root["extensionsRequired"] = {"ACME_catalogue"};
   EXPECT_THAT(error_of(b), HasSubstr("requires ACME_catalogue"));
-  b.root["extensionsRequired"] = {"KHR_texture_basisu"};
-  EXPECT_THAT(error_of(b), HasSubstr("requires KHR_texture_basisu"));
+  b.root["extensionsRequired"] = {"MSFT_texture_dds"};
+  EXPECT_THAT(error_of(b), HasSubstr("requires MSFT_texture_dds"));
 }
 
 TEST(unit_io_gltf, a_key_given_twice_is_told_and_the_last_one_counts) {

@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> names_in(const fs::path& folder, const std::vector<io::ReferencedFile>& files) {
   std::vector<std::string> names;
+  names.reserve(files.size());
   for (const io::ReferencedFile& file : files)
     names.push_back(file.path.lexically_relative(folder).string() + file.place);
   std::sort(names.begin(), names.end());

@@ -80,6 +80,48 @@ inline Builder moving() {
   return b;
 }
 
+/// A triangle whose node, weights, visibility, material, texture, light and camera move by pointers.
+inline Builder pointed() {
+  Builder b =
+      with_material(json::parse(R"({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0,
+      "extensions": {"KHR_texture_transform": {}}}}, "extensions": {"KHR_materials_ior": {}, "KHR_materials_anisotropy": {},
+      "KHR_materials_iridescence": {}, "KHR_materials_volume": {}}})"));
+  add_texture(b);
+  primitive(b)["targets"] = {{{"POSITION", b.vec3s({0, 0, 1, 0, 0, 1, 0, 0, 1})}}};
+  b.root["nodes"] = json::parse(R"([{"mesh": 0, "children": [1], "extensions": {"KHR_node_visibility": {}}},
+    {"camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}])");
+  b.root["cameras"] = json::parse(R"([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}])");
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = json::parse(R"([{"type": "spot", "range": 2, "spot": {}}])");
+  b.root["extensionsUsed"] = {"KHR_animation_pointer"};
+  const int times = b.floats({0, 0.75f}, "SCALAR", 1);
+  b.root["accessors"][static_cast<std::size_t>(times)]["max"] = {0.75};
+  json& animation = b.root["animations"][0];
+  const auto move = [&](const char* pointer, int output, const char* interpolation = "LINEAR") {
+    animation["samplers"].push_back({{"input", times}, {"output", output}, {"interpolation", interpolation}});
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size() - 1},
+         {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}});
+  };
+  const int flags = b.accessor(std::vector<std::uint8_t>{1, 0}, "SCALAR", 5121, 1);
+  const int share = b.floats({0, 1}, "SCALAR", 1), spline = b.floats({1, 1, 0, 0, 2, 1}, "SCALAR", 1);
+  const int pair = b.vec2s({0, 1, 2, 3}), triple = b.vec3s({0, 0, 0, 1, 1, 1});
+  const int bytes = b.accessor(std::vector<std::uint8_t>{0, 0, 0, 0, 255, 51, 255, 255}, "VEC4", 5121, 4, true);
+  move("/nodes/0/translation", triple);
+  move("/nodes/0/rotation", b.vec4s({0, 0, 0, 1, 0, 0, 1, 0}));
+  move("/nodes/0/weights/0", share);
+  move("/nodes/0/extensions/KHR_node_visibility/visible", flags, "STEP");
+  move("/materials/0/pbrMetallicRoughness/baseColorFactor", bytes);
+  move("/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/scale", pair);
+  move("/materials/0/extensions/KHR_materials_ior/ior", spline, "CUBICSPLINE");
+  move("/materials/0/extensions/KHR_materials_anisotropy/anisotropyStrength", share);
+  move("/materials/0/extensions/KHR_materials_iridescence/iridescenceFactor", share);
+  move("/materials/0/extensions/KHR_materials_volume/attenuationColor", triple);
+  move("/extensions/KHR_lights_punctual/lights/0/range", spline, "CUBICSPLINE");
+  move("/extensions/KHR_lights_punctual/lights/0/spot/outerConeAngle", share);
+  move("/cameras/0/perspective/yfov", spline, "CUBICSPLINE");
+  return b;
+}
+
 inline std::vector<Builder> seed_files() {
   std::vector<Builder> seeds;
   seeds.push_back(triangle());
@@ -103,6 +145,7 @@ inline std::vector<Builder> seed_files() {
   seeds.push_back(layered());
   seeds.push_back(dressed());
   seeds.push_back(moving());
+  seeds.push_back(pointed());
 
   Builder skinned = triangle();
   auto& attributes = primitive(skinned)["attributes"];

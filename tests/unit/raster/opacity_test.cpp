@@ -11,14 +11,12 @@ using namespace test;
 
 TEST(unit_raster_opacity, ranges_are_products_of_factor_texture_and_vertices) {
   SceneBuilder b;
-  Material m = matte(vec3(1.0f));
-  m.opacity = 0.5f;
-  EXPECT_EQ(alpha_of_material(b.scene(), m).least, 0.5f);
-  m.base_color_texture = slot(b.add_texture(2, 1, {0, 0, 0, 51, 0, 0, 0, 255}));
-  EXPECT_NEAR(alpha_of_material(b.scene(), m).least, 0.1f, 1e-6f);
-  EXPECT_EQ(alpha_of_material(b.scene(), m).most, 0.5f);
-  m.base_color_texture = slot(b.add_texture_16(2, 1, {0, 0, 0, 13107, 0, 0, 0, 65535}, Filter::linear, Wrap::repeat));
-  EXPECT_NEAR(alpha_of_material(b.scene(), m).least, 0.1f, 1e-6f);
+  b.add_texture(2, 1, {0, 0, 0, 51, 0, 0, 0, 255});
+  const AlphaRange of_bytes = alpha_of_image(*b.scene().images.back());
+  EXPECT_NEAR((AlphaRange{0.5f, 0.5f} * of_bytes).least, 0.1f, 1e-6f);
+  EXPECT_EQ((AlphaRange{0.5f, 0.5f} * of_bytes).most, 0.5f);
+  b.add_texture_16(2, 1, {0, 0, 0, 13107, 0, 0, 0, 65535}, Filter::linear, Wrap::repeat);
+  EXPECT_NEAR(alpha_of_image(*b.scene().images.back()).least, 0.2f, 1e-6f);
   Primitive p = quad(vec3(0.0f), {1, 0, 0}, {0, 1, 0});
   EXPECT_EQ(alpha_of_vertices(p).least, 1.0f);
   p.colors = {vec4(1.0f), vec4(1.0f), {1, 1, 1, 0.2f}, vec4(1.0f)};

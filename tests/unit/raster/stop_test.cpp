@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-class unit_raster_stop : public NeedsGl {};
+class unit_raster_stop : public NeedsGl {};  // NOLINT(readability-identifier-naming): as its suite
 
 Scene ball() {
   SceneBuilder b;
