@@ -30,6 +30,7 @@ ALLOWED = {
 # that other folders see.
 THIRD_PARTY = {
     "CLI/": {"app"},
+    "avif/": {"image"},
     "EGL/": {"gl"},
     "GL": {"gl"},
     "GLFW/": {"gl"},
@@ -46,6 +47,8 @@ THIRD_PARTY = {
     "png.h": {"image"},
     "tbb/": {"base", "path"},
     "turbojpeg.h": {"image"},
+    "webp/": {"image"},
+    "zip.h": {"io"},
     "zlib.h": {"image"},
     "zstd.h": {"image"},
 }

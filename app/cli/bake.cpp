@@ -40,6 +40,7 @@ struct BakeOptions {
   std::string output;
   std::string report;
   std::string scene;
+  std::string root;
   const ibl::Profile* profile = nullptr;
   std::optional<vec3> at;
   std::optional<CubeAxes> axes;
@@ -184,6 +185,7 @@ void add_scene(CLI::App* verb, BakeOptions& o) {
       verb, "--from-scene", "SCENE", o.scene, [](const std::string& text) { return text; },
       "Bake what a point of a scene sees, path traced; ENV lights the scene [studio]")
       ->group("Light");
+  add_root(verb, o.root)->group("Light");
   add_value(verb, "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres")->group("Light");
   add_value(verb, "--spp", "N", o.spp, count_within(1, kMostSpp), "Samples per texel of what it sees [64]")
       ->group("Light");
@@ -229,8 +231,8 @@ void add_rest(CLI::App* verb, BakeOptions& o) {
 /// A panorama of a file.
 Environment make_panorama(Image image, const std::string& path, std::vector<Diagnostic>& warnings) {
   check_panorama(image, path);
-  const ImageFormat format = sniff_image_format(read_head(parse_image_name(path).path, 16));
-  if (format == ImageFormat::png || format == ImageFormat::jpeg) {
+  const ImageFormat format = sniff_image_format(read_head(parse_image_name(path).path, kSniffedBytes));
+  if (is_display_format(format)) {
     warnings.push_back(
         {"8 or 16 bits per channel end at white: what is brighter, the sun above all, is missing", path});
   }
@@ -256,7 +258,7 @@ Environment adjusted(Environment environment, const BakeOptions& o) {
 
 CubeFaces capture(const BakeOptions& o, ProgressLine& progress, std::vector<Diagnostic>& warnings) {
   Diagnostics diagnostics;
-  const Scene scene = load(o.scene, &diagnostics);
+  const Scene scene = load(o.scene, &diagnostics, LoadOptions{.root = o.root});
   const Environment environment =
       adjusted(make_environment(o.environment.empty() ? "studio" : o.environment, &diagnostics), o);
   warnings.insert(warnings.end(), diagnostics.warnings().begin(), diagnostics.warnings().end());
@@ -377,7 +379,7 @@ void check_combinations(const CLI::App& verb, const BakeOptions& o) {
     refuse({"--samples"}, "only for --method fis or montecarlo and --irradiance riemann or montecarlo");
   }
   if (!o.tables) refuse({"--table-size"}, "only with --tables");
-  if (o.scene.empty()) refuse({"--spp"}, "only with --from-scene");
+  if (o.scene.empty()) refuse({"--spp", "--root"}, "only with --from-scene");
   if (!o.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
   if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");
 }
@@ -396,7 +398,7 @@ Inputs inputs_of(const BakeOptions& o) {
   inputs.add_environment(o.environment);
   if (!o.scene.empty()) {
     inputs.add(o.scene, "the scene " + o.scene);
-    add_scene_files({o.scene}, inputs);
+    add_scene_files({o.scene}, o.root, inputs);
   }
   return inputs;
 }

@@ -15,12 +15,14 @@
 #include "base/parallel.h"
 #include "candela/candela.h"
 #include "cli/interrupt.h"
+#include "cli/option.h"
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "io/gltf.h"
 #include "io/gltf_survey.h"
+#include "io/scene_files.h"
 
 namespace candela::cli {
 
@@ -79,10 +81,10 @@ Verdict verdict_of(const std::string& name, const study::CheckInput& input) {
 }
 
 /// What keeps a file from being judged: its images, each that fails, or else what the loader says.
-std::vector<Told> causes(const std::string& name, const Error& error) {
+std::vector<Told> causes(const std::string& name, const fs::path& root, const Error& error) {
   std::vector<Told> result;
   try {
-    const FileSurvey survey = io::survey_gltf(name, {.read_geometry = false, .decode_images = true});
+    const FileSurvey survey = io::survey_gltf(name, {.read_geometry = false, .decode_images = true, .root = root});
     for (Finding& f : study::check_images(survey)) result.push_back({std::move(f), {}, {}});
   } catch (const Error&) {
     // The file itself is damaged, as `error` says.
@@ -98,9 +100,10 @@ std::vector<Told> causes(const std::string& name, const Error& error) {
 }
 
 /// What a variant's materials add to the findings of those that primitives name themselves.
-void add_variant(const std::string& name, const std::string& variant, Verdict& verdict) {
+void add_variant(const std::string& name, const fs::path& root, const std::string& variant, Verdict& verdict) {
   Diagnostics diagnostics;
-  const Scene scene = io::load_gltf(name, diagnostics, {.variant = variant, .refuse_unknown_required = false});
+  const Scene scene =
+      io::load_gltf(name, diagnostics, {.variant = variant, .refuse_unknown_required = false, .root = root});
   const auto key = [](const Told& t) { return t.finding.code + '\n' + t.material + '\n' + t.finding.message; };
   std::set<std::string> known;
   for (const Told& t : verdict.findings) known.insert(key(t));
@@ -111,16 +114,16 @@ void add_variant(const std::string& name, const std::string& variant, Verdict& v
   }
 }
 
-Verdict judge_file(const std::string& name) {
+Verdict judge_file(const std::string& name, const fs::path& root) {
   try {
     Diagnostics diagnostics;
     io::FileInfo info;
-    const Scene scene = io::load_gltf(name, diagnostics, {.refuse_unknown_required = false}, &info);
+    const Scene scene = io::load_gltf(name, diagnostics, {.refuse_unknown_required = false, .root = root}, &info);
     // Of an image that did not decode the survey says so, too.
     const bool has_lost_images =
         std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
                     [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
-    const FileSurvey survey = io::survey_gltf(name, {.decode_images = has_lost_images});
+    const FileSurvey survey = io::survey_gltf(name, {.decode_images = has_lost_images, .root = root});
     Verdict verdict = verdict_of(name, {.scene = scene,
                                         .survey = &survey,
                                         .extensions_used = info.extensions_used,
@@ -128,26 +131,26 @@ Verdict judge_file(const std::string& name) {
                                         .extensions_missing = info.extensions_missing,
                                         .warnings = diagnostics.warnings(),
                                         .notes = diagnostics.notes()});
-    for (const std::string& variant : info.variants) add_variant(name, variant, verdict);
+    for (const std::string& variant : info.variants) add_variant(name, root, variant, verdict);
     std::stable_sort(verdict.findings.begin(), verdict.findings.end(),
                      [](const Told& a, const Told& b) { return a.finding.severity > b.finding.severity; });
     return verdict;
   } catch (const Error& error) {
-    return {name, error.what(), causes(name, error)};
+    return {name, error.what(), causes(name, root, error)};
   }
 }
 
-Verdict judge(const std::string& name) {
-  if (!name.starts_with("demo:")) return judge_file(name);
+Verdict judge(const std::string& name, const fs::path& root) {
+  if (!name.starts_with("demo:")) return judge_file(name, root);
   const Scene scene = load(name);
   return verdict_of(name, {.scene = scene});
 }
 
 /// Empty where it was stopped: half a judgement would pass for a good one.
-std::optional<Verdict> judge_unless_stopped(const std::string& name) {
+std::optional<Verdict> judge_unless_stopped(const std::string& name, const fs::path& root) {
   const StopScope scope(&Interrupt::requested());
   try {
-    return judge(name);
+    return judge(name, root);
   } catch (const Interrupted&) {
     return std::nullopt;
   }
@@ -161,11 +164,12 @@ std::vector<std::string> scenes_below(const fs::path& folder) {
   for (; !code && at != fs::recursive_directory_iterator(); at.increment(code)) {
     std::error_code ignored;
     const fs::path& path = at->path();
-    const bool is_scene = has_extension(path, ".gltf") || has_extension(path, ".glb");
+    const bool is_scene = has_extension(path, ".gltf") || has_extension(path, ".glb") ||
+                          (has_extension(path, ".zip") && io::is_scene_archive(path));
     if (is_scene && at->is_regular_file(ignored)) result.push_back(path.string());
   }
   if (code) throw Error("cannot list the folder: " + code.message(), folder.string());
-  if (result.empty()) throw Error("there is no .gltf or .glb in this folder", folder.string());
+  if (result.empty()) throw Error("there is no .gltf, .glb or .zip with one of them in this folder", folder.string());
   std::sort(result.begin(), result.end());
   return result;
 }
@@ -294,6 +298,7 @@ std::string report_json(const std::vector<Verdict>& verdicts, const Totals& tota
 
 struct CheckOptions {
   std::vector<std::string> names;
+  std::string root;
   bool json = false;
   bool strict = false;
   bool quiet = false;
@@ -310,7 +315,7 @@ void run_check(const CheckOptions& options) {
   const Interrupt interrupt;
   for (std::size_t i = 0; i < scenes.size() && !Interrupt::requested(); ++i) {
     progress.phase(fmt::format("{} of {}: {}", i + 1, scenes.size(), scenes[i]));
-    const std::optional<Verdict> verdict = judge_unless_stopped(scenes[i]);
+    const std::optional<Verdict> verdict = judge_unless_stopped(scenes[i], options.root);
     if (!verdict) break;
     totals.add(*verdict);
     if (options.json) {
@@ -345,9 +350,11 @@ Verb add_check(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* verb =
       app.add_subcommand("check", "Judge materials, textures and meshes as a physicist would")->group("Verbs");
-  verb->add_option("SCENE", options->names, "Files (.glb, .gltf), folders to search for them, or demo:NAME")
+  verb->add_option("SCENE", options->names,
+                   "Files (.glb, .gltf, a .zip with one of them), folders to search for them, or demo:NAME")
       ->required()
       ->type_name("");
+  add_root(verb, options->root);
   verb->add_flag("--json", options->json, "For a machine: one JSON object, with the measured numbers");
   verb->add_flag("--strict", options->strict, "Exit code 1 where there is a warning or an error");
   verb->add_option("--threads", options->threads, "Default: all the machine has")->type_name("N");

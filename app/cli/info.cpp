@@ -11,12 +11,17 @@
 #include "base/diagnostics.h"
 #include "base/error.h"
 #include "candela/candela.h"
+#include "cli/option.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "image/image_file.h"
 #include "io/gltf.h"
 #include "io/gltf_survey.h"
+#include "io/scene_files.h"
 
 namespace candela::cli {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -94,6 +99,7 @@ void describe_extensions(const io::FileInfo& file, Json& json, Table& table) {
 /// What the scene does not keep.
 void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   json["bytes"] = file.file_bytes;
+  json["archive_entry"] = file.archive_entry;
   json["generator"] = file.generator;
   json["copyright"] = file.copyright;
   json["extensions"] = {{"used", file.extensions_used},
@@ -116,6 +122,7 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
                                      animation.channels, animation.channels == 1 ? "channel" : "channels"));
   }
   json["skins"] = file.skins;
+  if (!file.archive_entry.empty()) table.row("in archive", file.archive_entry);
   table.row("file size", bytes_text(file.file_bytes));
   if (!file.generator.empty()) table.row("generator", file.generator);
   if (!file.copyright.empty()) table.row("copyright", file.copyright);
@@ -156,10 +163,12 @@ void describe_content(const Scene& scene, const FileSurvey* survey, Json& json, 
 }
 
 /// The scene of a file, or nothing where an extension that it requires and we lack stands in the way.
-std::optional<Scene> look_into(const std::string& name, Diagnostics& diagnostics, io::FileInfo& file) {
+std::optional<Scene> look_into(const std::string& name, const fs::path& root, Diagnostics& diagnostics,
+                               io::FileInfo& file) {
   try {
     // Sizes are in the images' headers: a big file answers at once.
-    return io::load_gltf(name, diagnostics, {.decode_images = false, .refuse_unknown_required = false}, &file);
+    const io::LoadOptions options{.decode_images = false, .refuse_unknown_required = false, .root = root};
+    return io::load_gltf(name, diagnostics, options, &file);
   } catch (const Error& error) {
     if (file.extensions_missing.empty()) throw;
     diagnostics.warn("the scene cannot be read: " + error.message(), error.where());
@@ -201,17 +210,17 @@ std::string bytes_text(std::size_t bytes) {
   return fmt::format("{:.1f} MiB", size / (kKibi * kKibi));
 }
 
-Report scene_report(const std::string& name) {
+Report scene_report(const std::string& name, const fs::path& root) {
   Diagnostics diagnostics;
   io::FileInfo file;
   const bool built_in = name.starts_with("demo:");
-  const std::optional<Scene> scene = built_in ? load(name) : look_into(name, diagnostics, file);
+  const std::optional<Scene> scene = built_in ? load(name) : look_into(name, root, diagnostics, file);
 
   Json json{{"file", name}, {"kind", "scene"}};
   Table table;
   table.row("scene", name);
   std::optional<FileSurvey> survey;
-  if (scene && !built_in) survey = io::survey_gltf(name, {.read_geometry = false});
+  if (scene && !built_in) survey = io::survey_gltf(name, {.read_geometry = false, .root = root});
   if (scene) describe_content(*scene, survey ? &*survey : nullptr, json, table);
   if (!built_in) describe_file(file, json, table);
   if (scene) describe_size(*scene, json, table);
@@ -231,22 +240,27 @@ Report scene_report(const std::string& name) {
 Verb add_info(CLI::App& app) {
   struct Options {
     std::string file;
+    std::string root;
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("info", "Say what a scene, an image or a texture file holds")->group("Verbs");
-  verb->add_option(
-          "FILE", options->file,
-          "A .glb or .gltf, a demo:NAME, an .exr (:LAYER), .hdr, .png or .jpg image, or a .ktx2, .ktx or .dds texture")
+  verb->add_option("FILE", options->file,
+                   "A .glb, a .gltf, a .zip with one of them, a demo:NAME, an .exr (:LAYER), .hdr, .png, .jpg, .webp "
+                   "or .avif image, or "
+                   "a .ktx2, .ktx or .dds texture")
       ->required()
       ->type_name("");
+  add_root(verb, options->root);
   verb->add_flag("--json", options->json, "For a machine: one JSON object");
   verb->footer("Examples:\n  candela info helmet.glb\n  candela info picture.exr --json");
   return [options] {
     if (options->file.empty()) throw UsageError("FILE: the name is empty");
+    const bool built_in = options->file.starts_with("demo:");
+    if (!built_in) io::check_inside(parse_image_name(options->file).path, options->root);
     const Report report = is_image_file(options->file)     ? image_report(options->file)
                           : is_texture_file(options->file) ? texture_report(options->file)
-                                                           : scene_report(options->file);
+                                                           : scene_report(options->file, options->root);
     print(options->json ? report.json : report.text);
   };
 }

@@ -22,7 +22,8 @@ bool is_image_file(const std::string& name);  ///< a picture, or FILE:LAYER of o
 Report image_report(const std::string& name);
 bool is_texture_file(const std::filesystem::path& path);
 Report texture_report(const std::filesystem::path& path);  ///< KTX and DDS
-Report scene_report(const std::string& scene);
+/// `root` is LoadOptions::root.
+Report scene_report(const std::string& scene, const std::filesystem::path& root);
 
 /// Luminance of a picture's finite pixels, each counting the same.
 struct Luminance {

@@ -51,7 +51,7 @@ Luminance measure(const Image& image) {
 }
 
 bool is_image_file(const std::string& name) {
-  return sniff_image_format(read_head(parse_image_name(name).path, 16)) != ImageFormat::unknown;
+  return sniff_image_format(read_head(parse_image_name(name).path, kSniffedBytes)) != ImageFormat::unknown;
 }
 
 Report image_report(const std::string& text) {

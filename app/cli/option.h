@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <string>
 
 #include "base/error.h"
@@ -30,6 +31,16 @@ inline auto number_within(float low, float high) {
 
 inline auto count_within(int low, int high) {
   return [low, high](const std::string& text) { return parse_count(text, low, high); };
+}
+
+/// --root, of every verb that reads a scene.
+inline CLI::Option* add_root(CLI::App* verb, std::string& into) {
+  const auto folder = [](const std::string& text) {
+    if (text.empty() || !std::filesystem::is_directory(text)) throw UsageError("is no folder: '" + text + "'");
+    return text;
+  };
+  return add_value(verb, "--root", "DIR", into, folder,
+                   "Refuse a scene that lies or reads outside of DIR, links resolved [it reads what it names]");
 }
 
 }  // namespace candela::cli

@@ -1,7 +1,6 @@
 #include "raster/render.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <chrono>
 #include <map>
@@ -19,6 +18,7 @@
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/render_outputs.h"
+#include "cli/render_statistics.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "image/image_file.h"
@@ -287,12 +287,13 @@ void prepare(const RenderOptions& o, Shared& shared, Job& job, Diagnostics& diag
   }
 }
 
-/// With --strict the first warning ends the work; `shown` of them were printed already.
+/// With --strict the first warning is the error that ends the work; `shown` of them were printed already.
 void report_warnings(const RenderOptions& o, const Diagnostics& diagnostics, std::size_t shown,
                      ProgressLine& progress) {
   const auto& warnings = diagnostics.warnings();
-  for (std::size_t i = shown; i < warnings.size(); ++i) progress.warn(warnings[i]);
-  if (!o.strict || shown == warnings.size()) return;
+  const bool fails = o.strict && shown < warnings.size();
+  for (std::size_t i = fails ? shown + 1 : shown; i < warnings.size(); ++i) progress.warn(warnings[i]);
+  if (!fails) return;
   const std::size_t more = warnings.size() - shown - 1;
   throw Error(warnings[shown].message + (more > 0 ? fmt::format(" (--strict; and {} more)", more) : " (--strict)"),
               warnings[shown].where);
@@ -347,100 +348,6 @@ class PartialWriter {
   double last_cost_s_ = 0.0;
   bool disabled_ = false;
 };
-
-struct Times {
-  double load_s = 0.0;
-  double write_s = 0.0;
-  double total_s = 0.0;
-};
-
-double cpu_seconds(const rusage& usage) {
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-/// Adds the work of one picture to that of all.
-void add(const path::Statistics& picture, path::Statistics& all) {
-  all.build_s += picture.build_s;
-  all.render_s += picture.render_s;
-  all.samples += picture.samples;
-  all.camera_rays += picture.camera_rays;
-  all.bounce_rays += picture.bounce_rays;
-  all.shadow_rays += picture.shadow_rays;
-  all.non_finite_samples += picture.non_finite_samples;
-  all.triangles = picture.triangles;
-  all.instances = picture.instances;
-  all.mean_samples_per_pixel = picture.mean_samples_per_pixel;
-  all.interrupted |= picture.interrupted;
-  all.timed_out |= picture.timed_out;
-  if (!picture.noise) return;
-  if (!all.noise) all.noise.emplace();
-  all.noise->share_above = std::max(all.noise->share_above, picture.noise->share_above);
-  all.noise->worst = std::max(all.noise->worst, picture.noise->worst);
-}
-
-const char* end_of(const path::Statistics& s) { return s.interrupted ? "interrupt" : s.timed_out ? "time" : "samples"; }
-
-/// A picture that is noisier than was asked for does not show it by itself.
-void warn_of_noise(const RenderOptions& o, const path::Statistics& s, Diagnostics& diagnostics) {
-  if (!s.noise || s.noise->share_above <= 0.0) return;
-  const std::string why = s.interrupted ? "the interruption"
-                          : s.timed_out ? "--time"
-                                        : fmt::format("the limit of {} samples per pixel (--spp)", o.settings.samples);
-  const std::string worst =
-      std::isfinite(s.noise->worst) ? fmt::format("{:.2g}", s.noise->worst) : std::string("unknown");
-  const double percent = 100.0 * s.noise->share_above;
-  diagnostics.warn(
-      fmt::format("the noise target {:g} was not reached in {} % of the pixels, the worst of which is {}: "
-                  "stopped by {}",
-                  *o.settings.noise, percent < 1.0 ? "less than 1" : fmt::format("{:.0f}", percent), worst, why),
-      o.scene);
-}
-
-nlohmann::ordered_json noise_json(const RenderOptions& o, const path::Statistics& s) {
-  if (!s.noise) return nullptr;
-  nlohmann::ordered_json json{{"target", *o.settings.noise},
-                              {"reached", s.noise->share_above <= 0.0},
-                              {"share_above", s.noise->share_above},
-                              {"worst", nullptr},
-                              {"stopped_by", s.noise->share_above <= 0.0 ? "noise" : end_of(s)}};
-  if (std::isfinite(s.noise->worst)) json["worst"] = s.noise->worst;
-  return json;
-}
-
-std::string stats_json(const RenderOptions& o, const path::Statistics& s, const Times& times, int threads,
-                       const Diagnostics& diagnostics) {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  nlohmann::ordered_json json{
-      {"version", version()},
-      {"scene", o.scene},
-      {"width", o.size.x},
-      {"height", o.size.y},
-      {"spp", s.mean_samples_per_pixel},
-      {"threads", threads},
-      {"load_s", times.load_s},
-      {"build_s", s.build_s},
-      {"render_s", s.render_s},
-      {"write_s", times.write_s},
-      {"total_s", times.total_s},
-      {"cpu_s", cpu_seconds(usage)},
-      {"peak_rss_mb", static_cast<double>(usage.ru_maxrss) / 1024.0},  // Linux counts kibibytes
-      {"samples", s.samples},
-      {"msamples_per_s", s.render_s > 0.0 ? static_cast<double>(s.samples) / s.render_s * 1e-6 : 0.0},
-      {"rays", {{"camera", s.camera_rays}, {"bounce", s.bounce_rays}, {"shadow", s.shadow_rays}}},
-      {"non_finite_samples", s.non_finite_samples},
-      {"triangles", s.triangles},
-      {"instances", s.instances},
-      {"interrupted", s.interrupted},
-      {"noise", noise_json(o, s)},
-      {"warnings", nlohmann::ordered_json::array()}};
-  for (const Diagnostic& warning : diagnostics.warnings()) json["warnings"].push_back(warning.text());
-  // File names are bytes, JSON is UTF-8: what is not becomes a replacement character.
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
 
 /// The mean of the moments while the shutter is open.
 Film trace_moving(const RenderOptions& o, Job& job, std::size_t index, const path::Callbacks& callbacks,
@@ -502,48 +409,6 @@ Film trace(const RenderOptions& o, Job& job, std::size_t index, ProgressLine& pr
   }
   if (statistics.samples == 0) throw Interrupted("before the first sample: no picture");
   return film;
-}
-
-std::string raster_stats_json(const RenderOptions& o, const raster::Statistics& s, const Times& times,
-                              const Diagnostics& diagnostics) {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  nlohmann::ordered_json json{{"version", version()},
-                              {"engine", "raster"},
-                              {"driver", s.driver},
-                              {"scene", o.scene},
-                              {"width", o.size.x},
-                              {"height", o.size.y},
-                              {"frames", s.frames},
-                              {"msaa", o.msaa},
-                              {"load_s", times.load_s},
-                              {"open_s", s.open_s},
-                              {"light_s", s.light_s},
-                              {"light_is_cached", s.is_light_cached},
-                              {"upload_s", s.upload_s},
-                              {"compile_s", s.compile_s},
-                              {"shadow_s", s.shadow_s},
-                              {"frame_s", s.frame_s},
-                              {"draw_s", s.draw_s},
-                              {"write_s", times.write_s},
-                              {"total_s", times.total_s},
-                              {"cpu_s", cpu_seconds(usage)},
-                              {"peak_rss_mb", static_cast<double>(usage.ru_maxrss) / 1024.0},
-                              {"programs", s.programs},
-                              {"draws", s.draws},
-                              {"triangles", s.triangles},
-                              {"non_finite_pixels", s.non_finite_pixels},
-                              {"interrupted", s.interrupted},
-                              {"warnings", nlohmann::ordered_json::array()}};
-  for (const Diagnostic& warning : diagnostics.warnings()) json["warnings"].push_back(warning.text());
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
-
-void write_stats(const RenderOptions& o, const std::string& json) {
-  if (*o.stats == "-")
-    print(json);
-  else
-    write_file(*o.stats, json);
 }
 
 /// Pictures of a turntable have one exposure, that of the first: else they would flicker.
@@ -615,7 +480,7 @@ Outcome draw(const RenderOptions& o, Job& job, Shared& shared, Times& times, con
                               statistics.frames == 1 ? "frame" : "frames", duration_text(times.total_s),
                               duration_text(statistics.frame_s / statistics.frames), statistics.driver));
   }
-  if (o.stats) write_stats(o, raster_stats_json(o, statistics, times, diagnostics));
+  if (o.stats) write_stats(o, stats_json(o, statistics, times, diagnostics));
   return outcome;
 }
 
@@ -666,7 +531,7 @@ Outcome render_scene(const RenderOptions& given, Inputs inputs, Shared& shared, 
   check_paths(o);
   progress.phase("loading " + o.scene);
   Diagnostics diagnostics;
-  Job job(Asset(o.scene, &diagnostics, o.variant));
+  Job job(Asset(o.scene, &diagnostics, LoadOptions{.variant = o.variant, .root = o.root}));
   inputs.add(job.asset.files());
   choose_default_name(o, inputs);
   check_overwriting(o, inputs);
@@ -693,7 +558,7 @@ void render_batch(const RenderOptions& o, Inputs inputs, Shared& shared, int thr
   fs::create_directories(folder, code);
   if (code) throw Error("cannot be made: " + code.message(), folder.string());
   // The picture of one scene must not be a texture of the next.
-  add_scene_files(o.scenes, inputs);
+  add_scene_files(o.scenes, o.root, inputs);
   const std::vector<fs::path> outputs = batch_outputs(o.scenes, folder, inputs);
   std::size_t failed = 0, done = 0;
   bool is_last_unfinished = false;

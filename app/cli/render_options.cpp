@@ -172,6 +172,7 @@ void add_light(CLI::App* verb, RenderOptions& o) {
 
 void add_running(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Running";
+  add_root(verb, o.root)->group(group);
   add_value(verb, "--threads", "N", o.threads, count_within(0, 1024), "0 is all; the picture does not depend on it [0]")
       ->group(group);
   add_value(verb, "--engine", "path|raster", o.engine, parse_engine,
@@ -351,7 +352,8 @@ std::string default_output(const RenderOptions& o, int attempt) {
 
 CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
   CLI::App* verb = app.add_subcommand("render", "Render a glTF scene to a picture")->group("Verbs");
-  verb->add_option("SCENE", options.scenes, "A .glb or .gltf file, or a built-in demo:NAME; several with -o DIR")
+  verb->add_option("SCENE", options.scenes,
+                   "A .glb, a .gltf, a .zip with one of them, or a built-in demo:NAME; several with -o DIR")
       ->required()
       ->type_name("");
   add_picture(verb, options);

@@ -20,6 +20,7 @@ struct RenderOptions {
   std::vector<std::string> scenes;
   std::string scene;                 ///< the one at hand
   std::string variant;               ///< empty = the file's default look
+  std::string root;                  ///< where all files of a scene must lie; empty = anywhere
   std::vector<std::string> outputs;  ///< with a turntable patterns of names; with several scenes one folder
   bool has_default_name = false;     ///< no output was given
   bool is_batch = false;             ///< a picture of each scene into outputs[0], a folder

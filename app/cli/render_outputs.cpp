@@ -69,10 +69,10 @@ void choose_default_name(RenderOptions& o, const Inputs& inputs) {
   for (int attempt = 2; is_taken(); ++attempt) o.outputs = {default_output(o, attempt)};
 }
 
-void add_scene_files(const std::vector<std::string>& scenes, Inputs& inputs) {
+void add_scene_files(const std::vector<std::string>& scenes, const fs::path& root, Inputs& inputs) {
   for (const std::string& scene : scenes) {
     try {
-      if (!scene.starts_with("demo:")) inputs.add(io::files_of_gltf(scene));
+      if (!scene.starts_with("demo:")) inputs.add(io::files_of_gltf(scene, root));
     } catch (const Error&) {
       // Told when it is its turn.
     }

@@ -15,8 +15,8 @@ std::vector<std::filesystem::path> outputs_of(const RenderOptions& options, std:
 
 /// What is known to be read before a scene is opened.
 Inputs inputs_of_options(const RenderOptions& options);
-/// All that the scenes name, too; of one that cannot be read its own name.
-void add_scene_files(const std::vector<std::string>& scenes, Inputs& inputs);
+/// All that the scenes name, too; of one that cannot be read its own name. `root` is LoadOptions::root.
+void add_scene_files(const std::vector<std::string>& scenes, const std::filesystem::path& root, Inputs& inputs);
 
 /// Finds out about an unwritable path before hours of work. Throws Error.
 void check_paths(const RenderOptions& options);

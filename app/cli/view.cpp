@@ -28,6 +28,7 @@ namespace {
 
 struct ViewOptions {
   std::string scene;
+  std::string root;
   std::optional<std::string> environment;
   ivec2 size{1280, 720};
   std::string shader_folder;
@@ -93,7 +94,7 @@ raster::Settings settings_of(const ViewOptions& o) {
 
 Viewer::Viewer(const ViewOptions& o)
     : options_(o),
-      asset_(o.scene, &diagnostics_),
+      asset_(o.scene, &diagnostics_, LoadOptions{.root = o.root}),
       scene_(asset_.scene()),
       environment_(make_environment(o.environment.value_or(default_environment(scene_)), &diagnostics_)),
       bounds_(subject_bounds(scene_)),
@@ -220,7 +221,9 @@ void Viewer::run() {
 Verb add_view(CLI::App& app) {
   const auto options = std::make_shared<ViewOptions>();
   CLI::App* verb = app.add_subcommand("view", "Show a scene in a window, drawn in real time")->group("Verbs");
-  verb->add_option("SCENE", options->scene, "A .glb or .gltf file, or a built-in demo:NAME")->required()->type_name("");
+  verb->add_option("SCENE", options->scene, "A .glb, a .gltf, a .zip with one of them, or a built-in demo:NAME")
+      ->required()
+      ->type_name("");
   add_value(
       verb, "--env", "FILE|NAME", options->environment, [](const std::string& value) { return value; },
       "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, furnace, none [the scene's wish, else studio]");
@@ -231,6 +234,7 @@ Verb add_view(CLI::App& app) {
   };
   add_value(verb, "--shaders", "DIR", options->shader_folder, folder,
             "For development: read shaders from there, and again whenever they change");
+  add_root(verb, options->root);
   add_value(verb, "--frames", "N", options->frames, count_within(1, 1000000),
             "Close after N frames, and say how long they took");
   verb->footer(

@@ -17,11 +17,13 @@ constexpr std::string_view kDemo = "demo:";
 }  // namespace
 
 Asset::Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant)
+    : Asset(path_or_demo, diagnostics, LoadOptions{.variant = variant}) {}
+
+Asset::Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const LoadOptions& options)
     : name_(path_or_demo), diagnostics_(diagnostics) {
   if (!name_.starts_with(kDemo)) {
-    file_ = std::make_shared<io::GltfFile>(name_, diagnostics_ != nullptr ? *diagnostics_ : ignored_,
-                                           io::LoadOptions{.variant = variant});
-  } else if (!variant.empty()) {
+    file_ = std::make_shared<io::GltfFile>(name_, diagnostics_ != nullptr ? *diagnostics_ : ignored_, options);
+  } else if (!options.variant.empty()) {
     throw Error("a built-in scene has no variants", name_);
   }
 }
@@ -53,6 +55,10 @@ double Asset::duration_s(const std::string& animation) const {
 
 Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant) {
   return Asset(path_or_demo, diagnostics, variant).scene();
+}
+
+Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const LoadOptions& options) {
+  return Asset(path_or_demo, diagnostics, options).scene();
 }
 
 Box3 subject_bounds(const Scene& scene) {

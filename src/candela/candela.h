@@ -26,17 +26,23 @@
 ///     candela::write_film("helmet.png", film, {});
 namespace candela {
 
-/// Loads a .gltf/.glb, or a built-in scene by "demo:NAME". Throws Error. Warnings go to `diagnostics` when given.
+/// Loads a .gltf, a .glb or a .zip with one of them, or a built-in scene by "demo:NAME". Throws Error. Warnings go to
+/// `diagnostics` when given.
 /// `variant` names one of the file's material variants; empty = its default look.
 Scene load(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr, const std::string& variant = {});
 
+using io::LoadOptions;
 using io::Pose;
+
+/// The same with all that loading can be told: LoadOptions::root keeps files of strangers to one folder.
+Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const LoadOptions& options);
 
 /// A scene that can be had at any moment of its animations; what does not move is read and decoded once.
 class Asset {
  public:
   /// As load().
   explicit Asset(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr, const std::string& variant = {});
+  Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const LoadOptions& options);
 
   /// The scene at rest, or as an animation has it. A built-in scene has no animations: naming one throws Error.
   Scene scene(const std::optional<Pose>& pose = std::nullopt);

@@ -24,13 +24,17 @@ inline constexpr std::uint64_t kMaxImageBytes = std::uint64_t{1} << 31;
 /// Throws Error for a texture that is larger than the above, of `pixel_bytes` per pixel once it is decoded.
 void check_texture_size(std::uint64_t width, std::uint64_t height, std::uint64_t pixel_bytes, const std::string& where);
 
-/// Both throw Error where decoding would for the size's sake.
-ivec2 png_size(std::span<const std::byte> bytes, const std::string& where);
-ivec2 jpeg_size(std::span<const std::byte> bytes, const std::string& where);
-/// Of a KTX 2 that decode_texture_pixels reads, from its header.
-ivec2 texture_size(std::span<const std::byte> bytes, const std::string& where);
+/// They throw Error where decoding would for the size's sake, and decode no pixel.
+ImageHeader png_header(std::span<const std::byte> bytes, const std::string& where);
+ImageHeader jpeg_header(std::span<const std::byte> bytes, const std::string& where);
+ImageHeader webp_header(std::span<const std::byte> bytes, const std::string& where);
+ImageHeader avif_header(std::span<const std::byte> bytes, const std::string& where);
+/// Of a KTX 2 that decode_texture_pixels reads.
+ImageHeader texture_header(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_png(std::span<const std::byte> bytes, const std::string& where);
 TextureImage decode_jpeg(std::span<const std::byte> bytes, const std::string& where);
+TextureImage decode_webp(std::span<const std::byte> bytes, const std::string& where);
+TextureImage decode_avif(std::span<const std::byte> bytes, const std::string& where);
 ImageFile decode_hdr(std::span<const std::byte> bytes, const std::string& where);
 ImageFile decode_exr(std::span<const std::byte> bytes, const std::string& layer, const std::string& where);
 

@@ -39,7 +39,8 @@ std::vector<fs::path> pictures_in(const fs::path& folder) {
   std::vector<fs::path> pictures;
   std::error_code code;
   for (const auto& entry : fs::directory_iterator(folder, code))
-    if (sniff_image_format(read_head(entry.path(), 16)) != ImageFormat::unknown) pictures.push_back(entry.path());
+    if (sniff_image_format(read_head(entry.path(), kSniffedBytes)) != ImageFormat::unknown)
+      pictures.push_back(entry.path());
   std::sort(pictures.begin(), pictures.end());
   return pictures;
 }
@@ -127,10 +128,9 @@ CubeFaces read_six(const SixPaths& paths, Texels texels, std::vector<Diagnostic>
 /// Empty where it cannot be known.
 std::optional<ivec2> picture_size(const fs::path& path) {
   try {
-    const ImageFormat format = sniff_image_format(read_head(path, 16));
+    const ImageFormat format = sniff_image_format(read_head(path, kSniffedBytes));
     if (format == ImageFormat::unknown) return std::nullopt;
-    if (format == ImageFormat::png || format == ImageFormat::jpeg)
-      return read_image_size(read_file(path), path.string());
+    if (is_display_format(format)) return read_image_size(read_file(path), path.string());
     const Image image = read_image(path);
     return ivec2(image.width, image.height);
   } catch (const Error&) {
@@ -238,7 +238,7 @@ EnvironmentFile read_environment(const fs::path& path, const std::optional<CubeA
   std::error_code code;
   if (fs::is_directory(path, code) || (!fs::exists(path, code) && is_pattern(path)))
     return read_six_files(path, axes, texels);
-  if (sniff_texture(read_head(path, 16))) return read_texture(path, axes, texels);
+  if (sniff_texture(read_head(path, kSniffedBytes))) return read_texture(path, axes, texels);
   return read_picture(path, axes, texels);
 }
 
@@ -287,7 +287,7 @@ CubeSource find_cube_source(const fs::path& path) {
   }
   if (!fs::exists(path, code) && is_pattern(path))
     return six_by_pattern(path.string()) ? CubeSource::six_files : CubeSource::none;
-  if (sniff_texture(read_head(path, 16))) return cube_source_of_texture(path);
+  if (sniff_texture(read_head(path, kSniffedBytes))) return cube_source_of_texture(path);
   const std::optional<ivec2> size = picture_size(path);
   return size && detect_layout(size->x, size->y) ? CubeSource::layout : CubeSource::none;
 }

@@ -1,5 +1,6 @@
 #include "image/image_file.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "base/error.h"
@@ -15,6 +16,23 @@ namespace {
 
 bool starts_with(std::span<const std::byte> bytes, std::string_view magic) {
   return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+}
+
+/// ISO/IEC 14496-12 §4.3: the first box names the brands that a file is made by; AVIF's are avif and avis.
+bool is_avif(std::span<const std::byte> bytes) {
+  constexpr std::size_t kBoxHeader = 8, kBrand = 4;
+  if (bytes.size() < 16 || !starts_with(bytes.subspan(4), "ftyp")) return false;
+  std::size_t length = 0;
+  for (std::size_t i = 0; i < 4; ++i) length = length << 8 | std::to_integer<std::size_t>(bytes[i]);
+  for (std::size_t at = kBoxHeader; at + kBrand <= std::min(length, bytes.size()); at += kBrand) {
+    const auto brand = bytes.subspan(at);
+    if (starts_with(brand, "avif") || starts_with(brand, "avis")) return true;
+  }
+  return false;
+}
+
+Error unexpected(ImageFormat format, const std::string& where) {
+  return Error(std::string("expected a PNG, JPEG, WebP, AVIF or KTX 2 image, found ") + format_name(format), where);
 }
 
 template <class Code>
@@ -68,6 +86,10 @@ const char* format_name(ImageFormat format) {
       return "PNG";
     case ImageFormat::jpeg:
       return "JPEG";
+    case ImageFormat::webp:
+      return "WebP";
+    case ImageFormat::avif:
+      return "AVIF";
     case ImageFormat::hdr:
       return "Radiance HDR";
     case ImageFormat::exr:
@@ -81,21 +103,37 @@ const char* format_name(ImageFormat format) {
 ImageFormat sniff_image_format(std::span<const std::byte> bytes) {
   if (starts_with(bytes, "\x89PNG\r\n\x1a\n")) return ImageFormat::png;
   if (starts_with(bytes, "\xff\xd8\xff")) return ImageFormat::jpeg;
+  if (starts_with(bytes, "RIFF") && bytes.size() >= 12 && starts_with(bytes.subspan(8), "WEBP"))
+    return ImageFormat::webp;
+  if (is_avif(bytes)) return ImageFormat::avif;
   if (starts_with(bytes, "#?RADIANCE") || starts_with(bytes, "#?RGBE")) return ImageFormat::hdr;
   if (starts_with(bytes, "\x76\x2f\x31\x01")) return ImageFormat::exr;
   return ImageFormat::unknown;
 }
 
-ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where) {
+bool is_display_format(ImageFormat format) {
+  return format == ImageFormat::png || format == ImageFormat::jpeg || format == ImageFormat::webp ||
+         format == ImageFormat::avif;
+}
+
+ImageHeader read_image_header(std::span<const std::byte> bytes, const std::string& where) {
   switch (const ImageFormat format = sniff_image_format(bytes)) {
     case ImageFormat::png:
-      return codec::png_size(bytes, where);
+      return codec::png_header(bytes, where);
     case ImageFormat::jpeg:
-      return codec::jpeg_size(bytes, where);
+      return codec::jpeg_header(bytes, where);
+    case ImageFormat::webp:
+      return codec::webp_header(bytes, where);
+    case ImageFormat::avif:
+      return codec::avif_header(bytes, where);
     default:
-      if (sniff_texture(bytes) == TextureContainer::ktx2) return codec::texture_size(bytes, where);
-      throw Error(std::string("expected a PNG, JPEG or KTX 2 image, found ") + format_name(format), where);
+      if (sniff_texture(bytes) == TextureContainer::ktx2) return codec::texture_header(bytes, where);
+      throw unexpected(format, where);
   }
+}
+
+ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where) {
+  return read_image_header(bytes, where).size;
 }
 
 TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where) {
@@ -104,9 +142,13 @@ TextureImage decode_texture(std::span<const std::byte> bytes, const std::string&
       return codec::decode_png(bytes, where);
     case ImageFormat::jpeg:
       return codec::decode_jpeg(bytes, where);
+    case ImageFormat::webp:
+      return codec::decode_webp(bytes, where);
+    case ImageFormat::avif:
+      return codec::decode_avif(bytes, where);
     default:
       if (sniff_texture(bytes) == TextureContainer::ktx2) return decode_texture_pixels(bytes, where);
-      throw Error(std::string("expected a PNG, JPEG or KTX 2 image, found ") + format_name(format), where);
+      throw unexpected(format, where);
   }
 }
 
@@ -132,10 +174,11 @@ ImageFile read_image_file(const ImageName& name) {
   ImageFile file;
   switch (format) {
     case ImageFormat::png:
-      file.image = linear_image(codec::decode_png(bytes, where));
-      break;
     case ImageFormat::jpeg:
-      file.image = linear_image(codec::decode_jpeg(bytes, where));
+    case ImageFormat::webp:
+    case ImageFormat::avif:
+      file.facts = read_image_header(bytes, where).facts;
+      file.image = linear_image(decode_texture(bytes, where));
       break;
     case ImageFormat::hdr:
       file = codec::decode_hdr(bytes, where);
@@ -144,7 +187,7 @@ ImageFile read_image_file(const ImageName& name) {
       file = codec::decode_exr(bytes, name.layer, where);
       break;
     case ImageFormat::unknown:
-      throw Error("not an image (PNG, JPEG, Radiance HDR and OpenEXR are known)", where);
+      throw Error("not an image (PNG, JPEG, WebP, AVIF, Radiance HDR and OpenEXR are known)", where);
   }
   file.format = format;
   return file;

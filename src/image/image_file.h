@@ -11,23 +11,15 @@
 
 namespace candela {
 
-enum class ImageFormat { unknown, png, jpeg, hdr, exr };
+enum class ImageFormat { unknown, png, jpeg, webp, avif, hdr, exr };
 
-/// From the first bytes, never from a name.
+/// From the first bytes, never from a name; so many are enough.
+inline constexpr std::size_t kSniffedBytes = 64;
 ImageFormat sniff_image_format(std::span<const std::byte> bytes);
-/// "PNG", "JPEG", "Radiance HDR", "OpenEXR" or "unknown".
+/// "PNG", "JPEG", "WebP", "AVIF", "Radiance HDR", "OpenEXR" or "unknown".
 const char* format_name(ImageFormat format);
-
-/// Width and height from the header of a PNG, JPEG or KTX 2 alone; throws Error(…, where) when it is none or is
-/// damaged.
-ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where);
-
-/// Decodes PNG, JPEG or the largest level of a KTX 2 to RGBA texels. Throws Error(…, where) for other formats, damaged
-/// data or sizes above 16384.
-TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where);
-
-/// How a picture of light from everywhere covers the directions, where the file itself says so (OpenEXR's `envmap`).
-enum class Projection { unsaid, latlong, cube };
+/// Whether its texels are those of a display, 8 or 16 bits of sRGB: PNG, JPEG, WebP, AVIF.
+bool is_display_format(ImageFormat format);
 
 /// One thing that a file says of its pixels, and what reading made of it.
 struct ImageFact {
@@ -36,6 +28,27 @@ struct ImageFact {
   std::string done;     ///< "converted to Rec.709"
   bool is_odd = false;  ///< it could not be followed: whoever uses the picture should hear of it
 };
+
+/// What the header of a PNG, JPEG, WebP, AVIF or KTX 2 says.
+struct ImageHeader {
+  ivec2 size{0};
+  int bits = 8;  ///< per channel of the texels that decoding gives: 8 or 16
+  bool has_alpha = false;
+  std::vector<ImageFact> facts = {};  ///< odd ones
+};
+
+/// From the header alone, without a pixel decoded; throws Error(…, where) when it is none of them or is damaged.
+ImageHeader read_image_header(std::span<const std::byte> bytes, const std::string& where);
+/// Width and height of it.
+ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where);
+
+/// Decodes PNG, JPEG, WebP, AVIF or the largest level of a KTX 2 to RGBA texels. Throws Error(…, where) for other
+/// formats, damaged data or sizes above 16384. Of an animation it is the first frame; what files say of colour spaces
+/// is ignored, as glTF 2.0 §3.8.1 asks for; an AVIF of 10 or 12 bits becomes 16, and is turned as it says.
+TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where);
+
+/// How a picture of light from everywhere covers the directions, where the file itself says so (OpenEXR's `envmap`).
+enum class Projection { unsaid, latlong, cube };
 
 /// A picture and what its file says of it.
 struct ImageFile {
@@ -56,8 +69,8 @@ struct ImageName {
 };
 ImageName parse_image_name(const std::string& name);
 
-/// Reads a linear image in Rec.709: Radiance .hdr (RGBE and XYZE), OpenEXR, PNG/JPEG (sRGB decoded). The result has 3
-/// channels, or 4 where the file has alpha; PNG/JPEG alpha is premultiplied on the way in.
+/// Reads a linear image in Rec.709: Radiance .hdr (RGBE and XYZE), OpenEXR, PNG, JPEG, WebP and AVIF (sRGB
+/// decoded). The result has 3 channels, or 4 where the file has alpha, which is premultiplied on the way in.
 ///
 /// Of an OpenEXR file the picture is the first part with R, G, B, with Y, RY, BY or with Y; else the only layer that
 /// has these; else data (X, Y, Z of a position, Z of a depth). A layer is "LAYER.*" in any part, or a part or a view of

@@ -94,10 +94,10 @@ std::vector<std::uint8_t> over_black(const DisplayImage& image) {
 
 }  // namespace
 
-ivec2 codec::jpeg_size(std::span<const std::byte> bytes, const std::string& where) {
+ImageHeader codec::jpeg_header(std::span<const std::byte> bytes, const std::string& where) {
   const Handle handle = open_decoder(where);
   const JpegHeader header = read_header(handle.get(), bytes, where);
-  return {header.width, header.height};
+  return {.size = {header.width, header.height}};
 }
 
 TextureImage codec::decode_jpeg(std::span<const std::byte> bytes, const std::string& where) {

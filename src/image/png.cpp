@@ -111,6 +111,14 @@ void check_plausible(const PngReader& reader, const std::string& where) {
     throw Error("damaged PNG: the file is truncated", where);
 }
 
+int bits_of(const PngReader& reader) { return png_get_bit_depth(reader.png, reader.info) == 16 ? 16 : 8; }
+
+/// A channel of its own, or colours that are transparent.
+bool has_alpha(const PngReader& reader) {
+  return (png_get_color_type(reader.png, reader.info) & PNG_COLOR_MASK_ALPHA) != 0 ||
+         png_get_valid(reader.png, reader.info, PNG_INFO_tRNS) != 0;
+}
+
 // ----- writing
 
 struct PngWriter : PngContext {
@@ -180,12 +188,16 @@ bool is_opaque(const DisplayImage& image) {
 
 }  // namespace
 
-ivec2 codec::png_size(std::span<const std::byte> bytes, const std::string& where) {
+ImageHeader codec::png_header(std::span<const std::byte> bytes, const std::string& where) {
   PngReader reader(bytes);
   run(reader, read_header, where);
   check_size(reader, where);
-  return {static_cast<int>(png_get_image_width(reader.png, reader.info)),
-          static_cast<int>(png_get_image_height(reader.png, reader.info))};
+  ImageHeader header;
+  header.size = {static_cast<int>(png_get_image_width(reader.png, reader.info)),
+                 static_cast<int>(png_get_image_height(reader.png, reader.info))};
+  header.bits = bits_of(reader);
+  header.has_alpha = has_alpha(reader);
+  return header;
 }
 
 TextureImage codec::decode_png(std::span<const std::byte> bytes, const std::string& where) {
@@ -197,9 +209,8 @@ TextureImage codec::decode_png(std::span<const std::byte> bytes, const std::stri
   TextureImage image;
   image.width = static_cast<int>(png_get_image_width(reader.png, reader.info));
   image.height = static_cast<int>(png_get_image_height(reader.png, reader.info));
-  image.bits = png_get_bit_depth(reader.png, reader.info) == 16 ? 16 : 8;
-  image.has_alpha = (png_get_color_type(reader.png, reader.info) & PNG_COLOR_MASK_ALPHA) != 0 ||
-                    png_get_valid(reader.png, reader.info, PNG_INFO_tRNS) != 0;
+  image.bits = bits_of(reader);
+  image.has_alpha = has_alpha(reader);
 
   run(reader, set_transforms, where);
   const std::size_t row_bytes = static_cast<std::size_t>(image.width) * 4 * static_cast<std::size_t>(image.bits / 8);

@@ -51,13 +51,13 @@ std::vector<std::uint8_t> sixteen_bits(std::span<const float> rgba) {
 
 }  // namespace
 
-ivec2 codec::texture_size(std::span<const std::byte> bytes, const std::string& where) {
+ImageHeader codec::texture_header(std::span<const std::byte> bytes, const std::string& where) {
   const StoredTexture stored = parse_texture(bytes, where);
   check_picture(stored, where);
   const TextureInfo& info = stored.info;
   check_texture_size(static_cast<std::uint64_t>(info.width), static_cast<std::uint64_t>(info.height),
                      is_coded(info) ? 4 : 8, where);
-  return {info.width, info.height};
+  return {{info.width, info.height}, is_coded(info) ? 8 : 16, has_alpha(info)};
 }
 
 TextureImage decode_texture_pixels(std::span<const std::byte> bytes, const std::string& where,

@@ -25,6 +25,7 @@
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
 #include "io/gltf_pointer.h"
+#include "io/scene_files.h"
 
 namespace candela::io {
 
@@ -310,6 +311,7 @@ void Loader::read_meshes_and_images(Kept* kept) {
   const std::size_t image_count = materials_.images.size();
   scene_.images.resize(image_count);
   std::vector<std::optional<Error>> lost(image_count);
+  std::vector<std::string> odd(image_count);
   const auto number_of_image = [&](std::size_t image) { return materials_.images[image].file_index; };
   for (std::size_t i = 0; i < image_count && kept != nullptr; ++i) {
     const auto found = kept->images.find(number_of_image(i));
@@ -335,7 +337,8 @@ void Loader::read_meshes_and_images(Kept* kept) {
         }
       } else if (scene_.images[task - 1] == nullptr) {
         try {
-          scene_.images[task - 1] = load_image(materials_.images[task - 1], uris_, options_.decode_images, texels);
+          scene_.images[task - 1] =
+              load_image(materials_.images[task - 1], uris_, options_.decode_images, texels, odd[task - 1]);
         } catch (const Error& cause) {
           lost[task - 1] = cause;
         }
@@ -347,6 +350,7 @@ void Loader::read_meshes_and_images(Kept* kept) {
     throw root_.at("images").error(fmt::format("the textures have more than {} texels in total", kMostTexels));
   }
   for (std::size_t i = 0; i < image_count; ++i) {
+    if (!odd[i].empty()) warnings_.warn(odd[i], materials_.images[i].label);
     if (lost[i]) {
       lose_image(i, *lost[i]);
     } else if (kept != nullptr && kept->lost_images.contains(number_of_image(i))) {
@@ -512,8 +516,6 @@ Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* 
   return std::move(scene_);
 }
 
-std::string folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path().string() : "."; }
-
 }  // namespace
 
 struct GltfFile::Parts {
@@ -526,30 +528,31 @@ struct GltfFile::Parts {
   Kept kept;
   std::string scene_name;  ///< where the file gives none
 
-  Parts(std::vector<std::byte> file, const fs::path& base_folder, std::string label, Diagnostics& diagnostics,
-        LoadOptions load_options)
-      : bytes(std::move(file)),
+  Parts(SceneSource source, LoadOptions load_options, Diagnostics& diagnostics)
+      : bytes(std::move(source.bytes)),
         options(std::move(load_options)),
-        document(bytes, std::move(label), diagnostics),
-        uris(base_folder),
+        document(bytes, std::move(source.label), diagnostics),
+        uris(std::move(source.files)),
         buffers(document, uris),
         info(read_info(document, bytes.size())) {
+    check_references(document.root(), document.json(), uris);
     info.files = referenced_files(document.json(), uris);
+    info.archive_entry = std::move(source.entry);
   }
 };
 
 GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, std::string label,
                    Diagnostics& diagnostics, LoadOptions options, FileInfo* info)
-    : parts_(
-          std::make_unique<Parts>(std::move(bytes), base_folder, std::move(label), diagnostics, std::move(options))) {
+    : parts_(std::make_unique<Parts>(open_scene(std::move(bytes), base_folder, std::move(label), options.root), options,
+                                     diagnostics)) {
   if (info) *info = parts_->info;
 }
 
 GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info)
-    : GltfFile(read_file(path), folder_of(path), path.string(), diagnostics, std::move(options), info) {
+    : parts_(std::make_unique<Parts>(open_scene(path, options.root), options, diagnostics)) {
   parts_->scene_name = path.stem().string();
   parts_->info.files.insert(parts_->info.files.begin(), {path, ""});
-  if (info) info->files = parts_->info.files;
+  if (info) *info = parts_->info;
 }
 
 GltfFile::~GltfFile() = default;

@@ -21,6 +21,9 @@ struct LoadOptions {
   std::string variant = {};
   /// False: an unknown required extension is a warning, to look into files that cannot be rendered.
   bool refuse_unknown_required = true;
+  /// A folder in which the file and everything it names must lie, all links resolved; what leads out of it is an Error.
+  /// Empty = wherever the names lead.
+  std::filesystem::path root = {};
 };
 
 /// A moment of an animation.
@@ -58,14 +61,17 @@ struct FileInfo {
   std::vector<AnimationInfo> animations;
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself
+  std::string archive_entry;   ///< its name in the .zip that holds it; empty where it is a file of its own
   /// All that it names, whether the scene needs them or not, whether they are there or not; first the file itself.
   std::vector<ReferencedFile> files;
 };
 
-/// FileInfo::files without reading more than the document. Throws Error where it is none.
-std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path);
+/// FileInfo::files without reading more than the document. Throws Error where it is none, and where it lies outside of
+/// `root` (LoadOptions::root).
+std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path, const std::filesystem::path& root = {});
 
-/// Loads a .gltf or .glb. Every number is checked before it is used; on bad input throws Error whose `where` is the
+/// Loads a .gltf or .glb, or the one that a .zip holds, which reads nothing outside of the .zip; told apart by their
+/// content. Every number is checked before it is used; on bad input throws Error whose `where` is the
 /// file and, where there is one, the JSON pointer. An unknown required extension is an Error that names it; unknown
 /// optional ones and recoverable oddities go to `diagnostics`, as notes where they change no pixel. The result passes
 /// validate().

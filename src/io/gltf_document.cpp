@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstring>
 #include <exception>
 #include <functional>
@@ -235,6 +236,23 @@ bool has_scheme(std::string_view uri) {
   return end != std::string_view::npos && end > 0 && uri[end] == ':';
 }
 
+/// RFC 8089, and the names of Windows' drives.
+bool has_file_scheme(std::string_view uri) {
+  constexpr std::string_view kScheme = "file:";
+  const auto is_same = [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); };
+  const bool is_file = uri.size() >= kScheme.size() && std::equal(kScheme.begin(), kScheme.end(), uri.begin(), is_same);
+  return is_file || (uri.size() > 1 && uri[1] == ':');
+}
+
+/// The names of files that a URI may mean, likeliest first.
+std::vector<std::string> relative_names(const std::string& uri) {
+  if (uri.empty() || uri.find('\0') != std::string::npos || has_scheme(uri)) return {};
+  std::string decoded = percent_decoded(uri);
+  if (decoded.find('\0') != std::string::npos || fs::path(decoded).is_absolute()) return {};
+  if (decoded == uri) return {uri};
+  return {std::move(decoded), uri};
+}
+
 /// Where the packed bytes of a buffer view are.
 std::optional<JsonView> meshopt_of(const JsonView& view) {
   const auto meshopt = view.extension("KHR_meshopt_compression");
@@ -296,11 +314,33 @@ GltfDocument::~GltfDocument() = default;
 JsonView GltfDocument::root() const { return JsonView(*json_, file_); }
 
 std::vector<fs::path> UriReader::files(const std::string& uri) const {
-  if (base_folder_.empty() || uri.empty() || uri.find('\0') != std::string::npos || has_scheme(uri)) return {};
+  std::vector<fs::path> result;
+  for (const std::string& name : relative_names(uri)) {
+    if (fs::path path = files_.path(name); !files_.empty() && !path.empty()) result.push_back(std::move(path));
+  }
+  return result;
+}
+
+std::string UriReader::fault(const std::string& uri) const {
+  if (!files_.is_confined() || uri.starts_with("data:")) return {};
   const std::string decoded = percent_decoded(uri);
-  if (decoded.find('\0') != std::string::npos || fs::path(decoded).is_absolute()) return {};
-  if (decoded == uri) return {base_folder_ / uri};
-  return {base_folder_ / decoded, base_folder_ / uri};
+  // Anything else with a scheme is no file, and read by nobody.
+  if (fs::path(decoded).is_absolute() || has_file_scheme(decoded)) {
+    return fmt::format("'{}' is not a relative file name", shortened(decoded));
+  }
+  for (const std::string& name : relative_names(uri)) {
+    try {
+      files_.check(name);
+    } catch (const Error& cause) {
+      return fmt::format("'{}' {}", shortened(name), cause.message());
+    }
+  }
+  return {};
+}
+
+bool UriReader::leaves_folder(const std::string& uri) const {
+  const std::vector<std::string> names = relative_names(uri);
+  return !files_.empty() && !names.empty() && files_.leaves_folder(names.front());
 }
 
 std::map<std::string, std::set<std::string>> GltfDocument::extension_places() const {
@@ -337,12 +377,11 @@ std::vector<std::byte> UriReader::read(const JsonView& uri) const {
   if (decoded.empty() || decoded.find('\0') != std::string::npos) throw uri.error("is not a file name");
   if (fs::path(decoded).is_absolute())
     throw uri.error(fmt::format("'{}' is not a relative file name", shortened(decoded)));
-  if (base_folder_.empty())
-    throw uri.error(fmt::format("external file '{}' cannot be read from here", shortened(decoded)));
+  if (files_.empty()) throw uri.error(fmt::format("external file '{}' cannot be read from here", shortened(decoded)));
+  if (const std::string forbidden = fault(text); !forbidden.empty()) throw uri.error(forbidden);
   try {
-    std::error_code code;
-    const bool literal = !fs::exists(base_folder_ / decoded, code) && fs::exists(base_folder_ / text, code);
-    return read_file(base_folder_ / (literal ? text : decoded));
+    const bool literal = text != decoded && !files_.contains(decoded) && files_.contains(text);
+    return files_.read(literal ? text : decoded);
   } catch (const Error& cause) {
     throw uri.error(fmt::format("'{}': {}", shortened(decoded), cause.message()));
   }

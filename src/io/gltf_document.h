@@ -13,6 +13,7 @@
 #include "base/diagnostics.h"
 #include "io/draco_mesh.h"
 #include "io/json_view.h"
+#include "io/scene_files.h"
 
 namespace candela::io {
 
@@ -42,21 +43,24 @@ class GltfDocument {
   bool is_glb_ = false;
 };
 
-/// Bytes behind URIs: data URIs and files relative to the folder of the glTF.
+/// Bytes behind URIs: data URIs and files relative to the glTF.
 class UriReader {
  public:
-  /// An empty folder refuses every file.
-  explicit UriReader(std::filesystem::path base_folder) : base_folder_(std::move(base_folder)) {}
+  explicit UriReader(SceneFiles files) : files_(std::move(files)) {}
 
-  /// The files that a URI may stand for: escapes decoded, and, where it has any, as it is written. None of data URIs,
-  /// absolute names and other schemes.
+  /// The files on disk that a URI may stand for: escapes decoded, and, where it has any, as it is written. None of data
+  /// URIs, absolute names and other schemes, and none in an archive.
   std::vector<std::filesystem::path> files(const std::string& uri) const;
+  /// Why a URI must not be read; empty where it may, or where nothing is forbidden.
+  std::string fault(const std::string& uri) const;
+  /// Whether it leads to a file outside of the scene's own folder.
+  bool leaves_folder(const std::string& uri) const;
 
   /// Thread-safe. Throws Error at `uri` for absolute paths, other schemes, broken data URIs and unreadable files.
   std::vector<std::byte> read(const JsonView& uri) const;
 
  private:
-  std::filesystem::path base_folder_;
+  SceneFiles files_;
 };
 
 struct BufferView {

@@ -20,6 +20,8 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "EXT_mesh_primitive_restart",
     "EXT_meshopt_compression",
     "EXT_texture_astc",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
     "KHR_accessor_float16",
     "KHR_accessor_float64",
     "KHR_animation_pointer",
@@ -58,8 +60,6 @@ constexpr auto kUnseen = std::to_array<std::string_view>({
     "EXT_mesh_features",
     "EXT_mesh_manifold",
     "EXT_structural_metadata",
-    "EXT_texture_avif",
-    "EXT_texture_webp",
     "FB_",
     "KHR_audio",
     "KHR_audio_",
@@ -87,9 +87,9 @@ constexpr auto kUnseen = std::to_array<std::string_view>({
     "VRMC_vrm",
     "VRMC_vrm_animation",
 });
-/// Of them, images in another form: unseen where the file has them as PNG or JPEG too, needed where it requires them.
-constexpr auto kOtherImages =
-    std::to_array<std::string_view>({"EXT_texture_avif", "EXT_texture_webp", "MSFT_texture_dds"});
+/// Of them, images in another form: unseen where the file has them in a form that is read too, needed where it requires
+/// them.
+constexpr auto kOtherImages = std::to_array<std::string_view>({"MSFT_texture_dds"});
 
 bool is_in(std::span<const std::string_view> list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();

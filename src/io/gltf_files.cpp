@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
-#include "base/file.h"
 #include "io/gltf_document.h"
+#include "io/scene_files.h"
 
 namespace candela::io {
 
@@ -45,10 +46,8 @@ std::string pointer_of(const std::vector<Level>& open) {
   return pointer;
 }
 
-}  // namespace
-
-std::vector<ReferencedFile> referenced_files(const Json& root, const UriReader& uris) {
-  std::vector<ReferencedFile> found;
+/// Calls `visit(pointer, uri)` for all of them.
+void visit_uris(const Json& root, const std::function<void(std::string, const std::string&)>& visit) {
   // No recursion, and no names of what holds no file: how deep a document nests is its author's choice.
   std::vector<Level> open = {Level(root)};
   while (!open.empty()) {
@@ -61,23 +60,42 @@ std::vector<ReferencedFile> referenced_files(const Json& root, const UriReader& 
     const std::string* const key = level.value->is_object() ? &level.next.key() : nullptr;
     const bool is_name = key != nullptr && (*key == "uri" || *key == "ies") && member.is_string();
     const bool is_skipped = open.size() == 1 && key != nullptr && names_no_file(*key);
-    if (is_name) {
-      for (fs::path& file : uris.files(member.get_ref<const std::string&>())) {
-        found.push_back({std::move(file), '#' + pointer_of(open)});
-      }
-    }
+    if (is_name) visit(pointer_of(open), member.get_ref<const std::string&>());
     ++level.next;
     ++level.count;
     if (member.is_structured() && !is_skipped) open.emplace_back(member);  // `level` dangles from here on
   }
+}
+
+}  // namespace
+
+std::vector<ReferencedFile> referenced_files(const Json& root, const UriReader& uris) {
+  std::vector<ReferencedFile> found;
+  visit_uris(root, [&](const std::string& pointer, const std::string& uri) {
+    for (fs::path& file : uris.files(uri)) found.push_back({std::move(file), '#' + pointer});
+  });
   return found;
 }
 
-std::vector<ReferencedFile> files_of_gltf(const fs::path& path) {
-  const std::vector<std::byte> bytes = read_file(path);
+void check_references(const JsonView& document, const Json& root, const UriReader& uris) {
+  visit_uris(root, [&](const std::string& pointer, const std::string& uri) {
+    if (const std::string fault = uris.fault(uri); !fault.empty()) throw Error(fault, document.where() + '#' + pointer);
+  });
+}
+
+std::vector<std::pair<std::string, std::string>> names_outside(const Json& root, const UriReader& uris) {
+  std::vector<std::pair<std::string, std::string>> found;
+  visit_uris(root, [&](std::string pointer, const std::string& uri) {
+    if (uris.leaves_folder(uri)) found.emplace_back(std::move(pointer), uri);
+  });
+  return found;
+}
+
+std::vector<ReferencedFile> files_of_gltf(const fs::path& path, const fs::path& root) {
+  const SceneSource source = open_scene(path, root);
   Diagnostics ignored;
-  const GltfDocument document(bytes, path.string(), ignored);
-  const UriReader uris(path.has_parent_path() ? path.parent_path() : fs::path("."));
+  const GltfDocument document(source.bytes, source.label, ignored);
+  const UriReader uris(source.files);
   std::vector<ReferencedFile> files = referenced_files(document.json(), uris);
   files.insert(files.begin(), {path, ""});
   return files;

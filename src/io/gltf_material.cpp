@@ -93,11 +93,18 @@ void gather_textures(const JsonView& root, GltfBuffers& buffers, Warnings& warni
 /// Names formats that glTF extensions allow and this loader does not read.
 const char* foreign_format(std::span<const std::byte> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with("RIFF") && text.substr(0, 12).ends_with("WEBP")) return "WebP";
   return text.starts_with("DDS ") ? "DDS" : nullptr;
 }
 
 }  // namespace
+
+std::string image_oddity(const ImageHeader& header) {
+  std::string text;
+  for (const ImageFact& fact : header.facts) {
+    if (fact.is_odd) text += (text.empty() ? "" : "; ") + fmt::format("{} ({}): {}", fact.name, fact.value, fact.done);
+  }
+  return text;
+}
 
 MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, bool want_default,
                            const std::function<Material(std::size_t)>& read, GltfBuffers& buffers, Warnings& warnings) {
@@ -119,20 +126,21 @@ MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, 
 }
 
 std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const UriReader& uris, bool decode,
-                                               std::atomic<std::uint64_t>& texels) {
+                                               std::atomic<std::uint64_t>& texels, std::string& oddity) {
   if (source.failure) throw Error(*source.failure);
   std::vector<std::byte> storage;
   if (source.uri) storage = uris.read(*source.uri);
   const std::span<const std::byte> bytes = source.uri ? std::span<const std::byte>(storage) : source.bytes;
   if (const char* format = foreign_format(bytes))
     throw Error(fmt::format("{} images are not supported", format), source.label);
-  const ivec2 size = read_image_size(bytes, source.label);
-  const std::uint64_t count = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
+  const ImageHeader header = read_image_header(bytes, source.label);
+  oddity = image_oddity(header);
+  const std::uint64_t count = static_cast<std::uint64_t>(header.size.x) * static_cast<std::uint64_t>(header.size.y);
   if (texels.fetch_add(count) + count > kMostTexels) return nullptr;
   if (decode) return std::make_shared<const TextureImage>(decode_texture(bytes, source.label));
   auto image = std::make_shared<TextureImage>();
-  image->width = size.x;
-  image->height = size.y;
+  image->width = header.size.x;
+  image->height = header.size.y;
   return image;
 }
 

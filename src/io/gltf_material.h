@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "image/image_file.h"
 #include "io/gltf_document.h"
 #include "io/gltf_warnings.h"
 #include "scene/scene.h"
@@ -42,10 +43,14 @@ MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, 
 /// bombs does not.
 inline constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 31;
 
-/// Decodes one image, or only measures it. `texels` counts all images together; beyond kMostTexels none is decoded, the
-/// result is null, and the caller refuses the file. Throws Error for what cannot be read. Thread-safe.
+/// What is odd about an image that can be read; empty where nothing is.
+std::string image_oddity(const ImageHeader& header);
+
+/// Decodes one image, or only measures it, and says what is odd about it. `texels` counts all images together; beyond
+/// kMostTexels none is decoded, the result is null, and the caller refuses the file. Throws Error for what cannot be
+/// read. Thread-safe.
 std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const UriReader& uris, bool decode,
-                                               std::atomic<std::uint64_t>& texels);
+                                               std::atomic<std::uint64_t>& texels, std::string& oddity);
 
 /// Empties the slots that would read an image of the scene, and darkens what an emissive texture of it should make
 /// glow; whether there was any.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "scene/metals.h"
@@ -10,6 +11,10 @@
 namespace candela::io {
 
 namespace {
+
+/// Where textures have images beside the plain one; of several the first that a texture has is shown.
+constexpr std::array<const char*, 4> kImageExtensions = {"KHR_texture_basisu", "EXT_texture_astc", "EXT_texture_avif",
+                                                         "EXT_texture_webp"};
 
 // A float of this size has no fraction left, so that no texture could be told apart from one texel.
 constexpr float kLargestTransform = 1e6f;
@@ -387,7 +392,7 @@ Material MaterialReader::read() {
 }  // namespace
 
 std::optional<JsonView> texture_source(const JsonView& texture) {
-  for (const char* name : {"KHR_texture_basisu", "EXT_texture_astc"}) {
+  for (const char* name : kImageExtensions) {
     const auto extension = texture.extension(name);
     if (extension && extension->find("source")) return extension->find("source");
   }

@@ -8,13 +8,14 @@
 #include <map>
 #include <set>
 
-#include "base/file.h"
 #include "base/parallel.h"
 #include "image/image_file.h"
+#include "io/gltf_files.h"
 #include "io/gltf_material.h"
 #include "io/gltf_material_reader.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
+#include "io/scene_files.h"
 
 namespace candela::io {
 
@@ -164,8 +165,14 @@ FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
     image.format = format_name(format);
     if (format == ImageFormat::png) read_png_header(bytes, image);
     if (sniff_texture(bytes) == TextureContainer::ktx2) read_texture_header(bytes, source.label, image);
+    if (format == ImageFormat::webp || format == ImageFormat::avif) {
+      const ImageHeader header = read_image_header(bytes, source.label);
+      image.bits = header.bits;
+      image.has_alpha = header.has_alpha;
+    }
+    std::string oddity;
     const auto read = load_image({source.json, source.label, source.file_index, bytes, std::nullopt, std::nullopt},
-                                 uris_, decode, texels);
+                                 uris_, decode, texels, oddity);
     if (read == nullptr) {
       throw Error(fmt::format("the textures have more than {} texels in total", kMostTexels), source.label);
     }
@@ -250,24 +257,27 @@ FileSurvey Surveyor::survey(const SurveyOptions& options) {
   return result;
 }
 
-FileSurvey survey(std::span<const std::byte> bytes, const fs::path& base_folder, const std::string& label,
-                  const SurveyOptions& options) {
+FileSurvey survey(const SceneSource& source, const SurveyOptions& options) {
   Diagnostics diagnostics;
   Warnings warnings(diagnostics);
-  const GltfDocument document(bytes, label, diagnostics);
-  const UriReader uris(base_folder);
-  return Surveyor(document, uris, bytes.size(), warnings).survey(options);
+  const GltfDocument document(source.bytes, source.label, diagnostics);
+  const UriReader uris(source.files);
+  check_references(document.root(), document.json(), uris);
+  FileSurvey result = Surveyor(document, uris, source.bytes.size(), warnings).survey(options);
+  for (auto& [pointer, name] : names_outside(document.json(), uris)) {
+    result.outside.push_back({source.label + '#' + pointer, std::move(name)});
+  }
+  return result;
 }
 
 }  // namespace
 
 FileSurvey survey_gltf(const fs::path& path, const SurveyOptions& options) {
-  const std::vector<std::byte> bytes = read_file(path);
-  return survey(bytes, path.has_parent_path() ? path.parent_path() : fs::path("."), path.string(), options);
+  return survey(open_scene(path, options.root), options);
 }
 
 FileSurvey survey_gltf(std::span<const std::byte> bytes, const fs::path& base_folder, const SurveyOptions& options) {
-  return survey(bytes, base_folder, "glTF in memory", options);
+  return survey(open_scene({bytes.begin(), bytes.end()}, base_folder, "glTF in memory", options.root), options);
 }
 
 }  // namespace candela::io

@@ -9,8 +9,9 @@
 namespace candela::io {
 
 struct SurveyOptions {
-  bool read_geometry = true;   ///< false: FileSurvey::primitives stays empty
-  bool decode_images = false;  ///< false: an image whose header is whole passes for readable
+  bool read_geometry = true;        ///< false: FileSurvey::primitives stays empty
+  bool decode_images = false;       ///< false: an image whose header is whole passes for readable
+  std::filesystem::path root = {};  ///< as LoadOptions::root
 };
 
 /// Looks through what the default scene of a .gltf or .glb uses, and remembers oddities where load_gltf puts them right

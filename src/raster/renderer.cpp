@@ -730,7 +730,8 @@ void Renderer::resolve_through() {
   use_color_attachments(1);
 }
 
-void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
+void Renderer::draw(const View& view, vec2 jitter, vec2 aperture, int frame) {
+  frame_ = frame;
   const FrameCamera camera = frame_camera(relative(view), settings_.width, settings_.height, range_, jitter, aperture);
   bind_frame(camera);
 
@@ -826,7 +827,6 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture) {
   resolve(resolved_framebuffer_);
   if (has_through_) resolve_through();
   gl::check("drawing");
-  ++frame_;
 }
 
 namespace {

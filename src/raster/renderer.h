@@ -37,8 +37,9 @@ class Renderer {
   /// and frames are many, each time with another `point` of them.
   void begin(const View& view, LightPoint point = LightPoint(0.5f));
   bool has_extended_lights() const;
-  /// Draws one frame of the view that begin() was given; see frame_camera for `jitter` and `aperture`.
-  void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f));
+  /// Draws one frame of the view that begin() was given; see frame_camera for `jitter` and `aperture`. `frame`, its
+  /// number within the picture, turns the noise of what is spread over the frames.
+  void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f), int frame = 0);
   /// The last frame: linear, 4 channels, premultiplied, row 0 at the top.
   Image read();
   /// What a background would be multiplied by where glass shows it, over what alpha lets through: 4 channels of the

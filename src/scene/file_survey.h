@@ -14,7 +14,7 @@ namespace candela {
 struct FileSurvey {
   struct Image {
     std::string name;            ///< of the image, else of its file; may be empty
-    std::string format;          ///< "PNG", "JPEG" or "KTX 2, uastc-4x4, zstd"; else what it looks like, or "unknown"
+    std::string format;          ///< "PNG", "WebP" or "KTX 2, uastc-4x4, zstd"; else what it looks like, or "unknown"
     std::size_t file_bytes = 0;  ///< encoded; 0 where they cannot be had
     int bits = 8;                ///< per channel
     bool has_alpha = false;      ///< a channel of its own, or transparent colours of a PNG
@@ -35,8 +35,15 @@ struct FileSurvey {
     std::vector<int> missing_uv_sets = {};  ///< that the material's textures read, ascending
   };
 
+  /// A file that is named and lies outside of the scene's own folder, all links resolved.
+  struct Outside {
+    std::string where;  ///< file and JSON pointer
+    std::string name;   ///< as the file has it
+  };
+
   std::vector<Image> images;          ///< as Scene::images
   std::vector<Primitive> primitives;  ///< of triangles, each once, in the file's order
+  std::vector<Outside> outside;       ///< in the file's order
 };
 
 }  // namespace candela

@@ -184,6 +184,16 @@ void judge_size(const Scene& scene, std::vector<Finding>& findings) {
   findings.push_back(std::move(f));
 }
 
+void judge_outside(const FileSurvey& survey, std::vector<Finding>& findings) {
+  for (const FileSurvey::Outside& file : survey.outside) {
+    findings.push_back(plain(Severity::warning, "file-outside", file.where,
+                             fmt::format("'{}' lies outside of the scene's folder: the folder alone is not the whole "
+                                         "asset, and whoever shows files of strangers refuses it",
+                                         file.name)));
+    findings.back().fix = "move it into the folder";
+  }
+}
+
 void judge_hidden(const Scene& scene, std::vector<Finding>& findings) {
   const auto hidden = std::count_if(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.is_hidden; });
   if (hidden == 0) return;
@@ -212,6 +222,7 @@ void check_file(const CheckInput& input, std::vector<Finding>& findings) {
   judge_extensions(input, findings);
   if (input.survey != nullptr) {
     judge_primitives(input.scene, *input.survey, findings);
+    judge_outside(*input.survey, findings);
   }
   if (input.survey != nullptr) {
     for (Finding& f : check_images(*input.survey)) findings.push_back(std::move(f));

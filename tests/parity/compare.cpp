@@ -40,7 +40,8 @@ const std::vector<Row>& rows() {
       {"base_rise", {.floor = 1e-2}},
       // Sums over facets of width 0.001, whose lobe has one or two digits of its direction.
       {"layers_model_specular", {.outliers = 1e-2}},
-      {"layers_shares", {.outliers = 1e-2}},
+      // The same of each lobe; 79 of 8192 inputs with Mesa 22.3, 83 with Mesa 25.0, all of such facets.
+      {"layers_shares", {.outliers = 1.2e-2}},
       {"surface_shares", {.outliers = 1e-2}},
       // Edges that cancel: what is left of terms of up to π, over 2 π.
       {"area_share", {.floor = 3e-2}},

@@ -196,7 +196,7 @@ TEST(unit_io_gltf_material, textures_that_cannot_be_used_are_left_out_and_told) 
   EXPECT_TRUE(loaded.warned("emissiveTexture uses TEXCOORD_1000"));
   EXPECT_TRUE(loaded.scene.textures.empty());
   b.root["materials"][0]["emissiveTexture"]["texCoord"] = 0;
-  b.root["textures"][0] = {{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}};
+  b.root["textures"][0] = {{"extensions", {{"MSFT_texture_dds", {{"source", 0}}}}}};
   loaded = load(b);
   EXPECT_TRUE(loaded.warned("has no image in a format that is read"));
   EXPECT_FALSE(loaded.scene.materials[0].emissive_texture);
@@ -206,7 +206,7 @@ TEST(unit_io_gltf_material, what_an_unreadable_texture_should_make_glow_is_dark)
   Builder b = with_material({{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", texture(0)}});
   add_texture(b);
   EXPECT_EQ(load(b).scene.materials.at(0).emission, vec3(1));
-  b.root["textures"][0] = {{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}};
+  b.root["textures"][0] = {{"extensions", {{"MSFT_texture_dds", {{"source", 0}}}}}};
   EXPECT_EQ(load(b).scene.materials.at(0).emission, vec3(0)) << "a format that is not read";
   b.root["textures"][0] = {{"source", 0}};
   b.root["images"][0] = {{"uri", "absent.png"}};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shade/surface_params.glsl.h"
 #include "unit/path/scenes.h"
 #include "unit/raster/gl_fixture.h"
 
@@ -58,9 +59,9 @@ TEST_F(unit_raster_gpu_scene, what_stays_is_not_uploaded_again) {
   EXPECT_EQ(buffers(), before);
   EXPECT_EQ(gpu.material_of(gpu.draws()[0]).textures, textures);
   EXPECT_FALSE(gpu.material_of(gpu.draws()[0]).key.is_plain_uv);
-  EXPECT_TRUE(gpu.has_lobe(shade::kLobeCoat)) << "what a moment adds is drawn";
+  EXPECT_TRUE(gpu.has_lobe(shade::kLobeClearcoat)) << "what a moment adds is drawn";
   gpu.set_scene(rest, diagnostics_);
-  EXPECT_FALSE(gpu.has_lobe(shade::kLobeCoat)) << "and gone with it";
+  EXPECT_FALSE(gpu.has_lobe(shade::kLobeClearcoat)) << "and gone with it";
 
   moment.meshes[0].identity = nullptr;
   moment.meshes[0].primitives[0].positions[0] = vec3(-1.0f);
