@@ -17,6 +17,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "io/gltf_animation.h"
+#include "io/gltf_areas.h"
 #include "io/gltf_extensions.h"
 #include "io/gltf_files.h"
 #include "io/gltf_lights.h"
@@ -60,7 +61,7 @@ std::optional<Variant> find_variant(const JsonView& root, const FileInfo& info, 
   return Variant{static_cast<std::size_t>(found - info.variants.begin()), info.variants.size()};
 }
 
-FileInfo read_info(const GltfDocument& document, std::size_t file_bytes) {
+FileInfo read_info(const GltfDocument& document, std::size_t file_bytes, const std::string& scene) {
   const JsonView root = document.root();
   FileInfo info;
   const auto asset = root.find("asset");
@@ -79,6 +80,8 @@ FileInfo read_info(const GltfDocument& document, std::size_t file_bytes) {
   sort_extensions(document, info);
   info.variants = read_variants(root);
   info.animations = read_animation_list(root);
+  info.scenes = read_scene_names(root);
+  info.scene = find_scene(root, scene);
   info.skins = static_cast<int>(count_of(root, "skins"));
   info.file_bytes = file_bytes;
   return info;
@@ -104,6 +107,19 @@ void read_planes(const JsonView& projection, bool is_perspective, Camera& camera
   }
 }
 
+/// The lens of EXT_camera_physical; how far it sees to the sides is the core's own to say.
+void read_lens(const JsonView& json, Camera& camera, Warnings& warnings) {
+  const auto read = [&](const char* key, float fallback) {
+    const float value = json.real_or(key, fallback);
+    if (value >= 0.0f && (value > 0.0f || !json.find(key))) return value;
+    warnings.warn(fmt::format("a {} of {} is out of range and is left out", key, value), json);
+    return 0.0f;
+  };
+  camera.focal_length = read("focalLength", 0.0f);
+  camera.f_number = read("fStop", 0.0f);
+  camera.focus_distance = read("focusDistance", 0.0f);
+}
+
 Camera read_camera(const JsonView& json, Warnings& warnings) {
   Camera camera;
   camera.name = json.string_or("name");
@@ -119,6 +135,7 @@ Camera read_camera(const JsonView& json, Warnings& warnings) {
     }
     camera.projection = result;
     read_planes(perspective, true, camera, warnings);
+    if (const auto lens = json.extension("EXT_camera_physical")) read_lens(*lens, camera, warnings);
   } else if (type == "orthographic") {
     const JsonView orthographic = json.at("orthographic");
     OrthographicCamera result;
@@ -178,6 +195,7 @@ class Loader {
   void read_cameras_and_lights();
   void place_mesh(std::size_t file_index, int mesh, const Box3& box, int scene_node, Node& node,
                   std::vector<Node>& appended);
+  void place_area_light(std::size_t file_index, std::vector<Node>& appended);
   void check_extent(const mat4& world_from_mesh, std::size_t file_index, const Box3& box) const;
   void check_scale(const mat4& world_from_mesh, std::size_t file_index);
 
@@ -193,6 +211,7 @@ class Loader {
   std::map<MeshKey, std::size_t> mesh_of_key_;            ///< ordered, and so are the scene's meshes
   std::vector<std::optional<std::size_t>> mesh_of_node_;  ///< of the file
   std::map<std::size_t, int> camera_of_file_, light_of_file_, ies_light_of_node_;
+  std::map<std::size_t, int> mesh_of_area_light_;
   MaterialSet materials_;
   bool is_posed_ = false;  ///< by an animation, which may hide things by a scale of 0
   Scene scene_;
@@ -444,6 +463,29 @@ void Loader::place_mesh(std::size_t file_index, int mesh, const Box3& box, int s
   }
 }
 
+/// As a mesh that glows, of a node of its own: it grows with its node to all sides alike.
+void Loader::place_area_light(std::size_t file_index, std::vector<Node>& appended) {
+  const FileNode& source = file_.nodes[file_index];
+  const auto place = place_of_area_light(source.world_from_node);
+  if (!place) return;
+  const std::size_t light = *source.area_light;
+  const auto [found, is_new] = mesh_of_area_light_.try_emplace(light, -1);
+  if (is_new) {
+    found->second = add_area_light(root_.extension("EXT_lights_area")->at("lights")[light], scene_, warnings_);
+  }
+  const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(found->second)];
+  if (mesh.primitives.empty()) return;
+  Box3 box;
+  for (const vec3 p : mesh.primitives[0].positions) box.extend(p);
+  check_extent(*place, file_index, box);
+  Node lamp;
+  lamp.name = source.name;
+  lamp.parent_from_node = *place;
+  lamp.mesh = found->second;
+  lamp.file_index = static_cast<int>(file_index);
+  appended.push_back(std::move(lamp));
+}
+
 void Loader::place_nodes() {
   std::vector<int> node_of_file(file_.nodes.size(), -1);
   int count = 0;
@@ -472,6 +514,7 @@ void Loader::place_nodes() {
       continue;
     }
     if (source.light) node.light = light_of_file_.at(*source.light);
+    if (source.area_light) place_area_light(i, appended);
     const auto mesh = mesh_of_node_[i];
     if (mesh && !scene_.meshes[*mesh].primitives.empty()) {
       place_mesh(i, static_cast<int>(*mesh), boxes[*mesh], node_of_file[i], node, appended);
@@ -502,7 +545,7 @@ Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* 
   }
   MovedDocument moved(document_.json());
   for (const AnimatedMoment& moment : moments) moment.move_properties(moved);
-  file_ = read_nodes(root_, warnings_, [&](std::vector<FileNode>& nodes) {
+  file_ = read_nodes(root_, info.scene, warnings_, [&](std::vector<FileNode>& nodes) {
     for (const AnimatedMoment& moment : moments) moment.pose_nodes(nodes);
   });
   scene_.name = file_.name;
@@ -534,7 +577,7 @@ struct GltfFile::Parts {
         document(bytes, std::move(source.label), diagnostics),
         uris(std::move(source.files)),
         buffers(document, uris),
-        info(read_info(document, bytes.size())) {
+        info(read_info(document, bytes.size(), options.scene)) {
     check_references(document.root(), document.json(), uris);
     info.files = referenced_files(document.json(), uris);
     info.archive_entry = std::move(source.entry);

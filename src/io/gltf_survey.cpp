@@ -96,7 +96,7 @@ class Surveyor {
   FileSurvey survey(const SurveyOptions& options);
 
  private:
-  void find_meshes();
+  void find_meshes(const std::string& scene);
   void find_materials();
   void survey_images(bool decode, FileSurvey& result) const;
   FileSurvey::Image survey_image(const ImageSource& source, bool decode, std::atomic<std::uint64_t>& texels) const;
@@ -123,8 +123,8 @@ const std::vector<vec3>& Surveyor::positions(const JsonView& reference) {
   return found->second;
 }
 
-void Surveyor::find_meshes() {
-  for (const FileNode& node : read_nodes(root_, warnings_).nodes) {
+void Surveyor::find_meshes(const std::string& scene) {
+  for (const FileNode& node : read_nodes(root_, find_scene(root_, scene), warnings_).nodes) {
     if (node.is_used && node.mesh) meshes_.insert(*node.mesh);
   }
 }
@@ -242,7 +242,7 @@ FileSurvey::Primitive Surveyor::survey_primitive(const JsonView& json) {
 
 FileSurvey Surveyor::survey(const SurveyOptions& options) {
   FileSurvey result;
-  find_meshes();
+  find_meshes(options.scene);
   find_materials();
   survey_images(options.decode_images, result);
   if (!options.read_geometry) return result;

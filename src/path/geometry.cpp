@@ -263,6 +263,8 @@ MaterialData::MaterialData(const Scene& scene, const Material& material, const s
       transmission(scene, material.transmission_texture, Encoding::data),
       diffuse_transmission(scene, material.diffuse_transmission_texture, Encoding::data),
       diffuse_transmission_color(scene, material.diffuse_transmission_color_texture, Encoding::srgb),
+      scatter_strength(scene, material.scatter_strength_texture, Encoding::data),
+      multiscatter_color(scene, material.multiscatter_color_texture, Encoding::srgb),
       height(scene, material.height_texture, Encoding::data),
       medium(make_medium(material)) {
   needs_opacity = material.alpha_mode != AlphaMode::opaque;

@@ -20,7 +20,7 @@ struct MaterialData {
   TextureReader base_color, metallic_roughness, normal, emissive, specular, specular_color, specular_glossiness;
   TextureReader clearcoat, clearcoat_roughness, clearcoat_normal, sheen_color, sheen_roughness, anisotropy;
   TextureReader iridescence, iridescence_thickness, transmission, diffuse_transmission, diffuse_transmission_color;
-  TextureReader height;
+  TextureReader scatter_strength, multiscatter_color, height;
   Medium medium;
   bool needs_opacity = false;   ///< mask or blend that can let light through
   bool is_clear_sheet = false;  ///< may let shadow rays straight through
@@ -30,6 +30,8 @@ struct MaterialData {
   bool has_one_footprint = false;  ///< all textures of the base have texels at the same places
 
   MaterialData(const Scene& scene, const Material& material, const shade::ShadingModel& model);
+
+  bool has_scatter_texture() const { return bool(scatter_strength) || bool(multiscatter_color); }
 };
 
 /// What a bounce reads of a vertex, packed so that it costs one cache line.

@@ -140,6 +140,8 @@ void fetch_layers(const MaterialData& material, const MeshData& mesh, const uvec
   if (material.diffuse_transmission_color) {
     params.diffuse_transmission_color *= vec3(read(material.diffuse_transmission_color));
   }
+  if (material.scatter_strength) params.scatter *= read(material.scatter_strength).w;
+  if (material.multiscatter_color) params.scatter_color *= vec3(read(material.multiscatter_color));
 }
 
 }  // namespace

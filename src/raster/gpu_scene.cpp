@@ -97,7 +97,7 @@ MaterialBlock make_block(const Material& m, std::span<const int> more_sets) {
   b.film = {m.iridescence, m.iridescence_ior, m.iridescence_thickness_min_nm, m.iridescence_thickness_max_nm};
   b.transmission = {m.transmission, m.thickness, m.has_volume() ? 0.0f : 1.0f, m.diffuse_transmission};
   b.extinction = vec4(volume_extinction(m), 0.0f);
-  b.below_color = vec4(m.diffuse_transmission_color, 0.0f);
+  b.below_color = vec4(m.diffuse_transmission_color, m.scatters_as_sheet() ? m.sheet_scatter : 0.0f);
   b.conductor_n = vec4(m.conductor_n, 0.0f);
   b.conductor_k = vec4(m.conductor_k, 0.0f);
   b.relief = {m.height_scale, m.height_level, 0.0f, 0.0f};
@@ -109,8 +109,8 @@ MaterialBlock make_block(const Material& m, std::span<const int> more_sets) {
       const float a = m.multiscatter_color[c];
       b.scatter[c] = 1.0f / (std::max(extinction[c], 1e-6f) * (1.85f - a + 7.0f * std::pow(std::abs(a - 0.8f), 3.0f)));
     }
-    b.scatter_color = vec4(m.multiscatter_color, 0.0f);
   }
+  b.scatter_color = vec4(m.multiscatter_color, 0.5f * (1.0f + m.scatter_anisotropy));
   const auto slots = texture_slots(m);
   for (std::size_t i = 0; i < kSlots; ++i) {
     const auto& t = slots[i]->transform;

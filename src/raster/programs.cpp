@@ -38,6 +38,8 @@ constexpr std::array<const char*, kSlots> kSlotNames = {"base_color",
                                                         "thickness",
                                                         "diffuse_transmission",
                                                         "diffuse_transmission_color",
+                                                        "scatter_strength",
+                                                        "multiscatter_color",
                                                         "specular_glossiness",
                                                         "height"};
 

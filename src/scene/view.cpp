@@ -187,7 +187,8 @@ View scene_camera(const Scene& scene, const Node& node, float aspect) {
   }
   if (const auto* perspective = std::get_if<PerspectiveCamera>(&camera.projection);
       perspective != nullptr && camera.f_number > 0.0f)
-    view.lens.radius = aperture_radius(camera.f_number, perspective->yfov);
+    view.lens.radius = camera.focal_length > 0.0f ? 0.5f * camera.focal_length / camera.f_number
+                                                  : aperture_radius(camera.f_number, perspective->yfov);
   return view;
 }
 

@@ -10,11 +10,11 @@ layout(std140) uniform Material {
   vec4 film;               // weight, ior, nm where the texture is 0 and where it is 1
   vec4 transmission;       // weight, thickness, 1 = sheet, diffuse transmission's weight
   vec4 extinction;         // 1/m
-  vec4 below_color;        // of diffuse transmission
+  vec4 below_color;        // of diffuse transmission; which share of what a sheet transmits is scattered
   vec4 conductor_n;
   vec4 conductor_k;
   vec4 scatter;            // how wide light spreads in a scattering body, metres, for each colour
-  vec4 scatter_color;      // what of the light that enters it comes out again
+  vec4 scatter_color;      // what of the light that enters it comes out again, or of what a sheet scatters; forwards
   vec4 relief;             // height between black and white, metres; the value that lies on the mesh
   vec4 uv_transform[2 * kSlots];
 };

@@ -299,6 +299,15 @@ SurfaceParams fetch_params() {
 #ifdef HAS_diffuse_transmission_color
   p.diffuse_transmission_color *= diffuse_transmission_color_texel().rgb;
 #endif
+  p.scatter = below_color.a;
+  p.scatter_color = scatter_color.rgb;
+  p.scatter_forward = scatter_color.a;
+#ifdef HAS_scatter_strength
+  p.scatter *= scatter_strength_texel().a;
+#endif
+#ifdef HAS_multiscatter_color
+  p.scatter_color *= multiscatter_color_texel().rgb;
+#endif
   p.sheen_color = sheen.rgb;
   p.sheen_roughness = sheen.a;
 #ifdef HAS_sheen_color
@@ -609,7 +618,14 @@ vec3 scattered_light(Point p, SurfaceShares shares) {
 #ifdef HAS_thickness
   thickness *= thickness_texel().g;
 #endif
-  vec3 color = mix(scatter_color.rgb, vec3(1.0), exp(-0.25 * extinction.rgb * thickness));
+  vec3 deep = scatter_color.rgb;
+#ifdef HAS_scatter_strength
+  deep *= scatter_strength_texel().a;
+#endif
+#ifdef HAS_multiscatter_color
+  deep *= multiscatter_color_texel().rgb;
+#endif
+  vec3 color = mix(deep, vec3(1.0), exp(-0.25 * extinction.rgb * thickness));
   return (shares.through + shares.below) * color * arriving * (part(16) / kShadePi);
 }
 #endif
