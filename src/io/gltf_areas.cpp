@@ -63,10 +63,12 @@ int add_area_light(const JsonView& json, Scene& scene, Warnings& warnings) {
   const float size = within(json, "size", 1.0f, 0.0f, kLargestSize, warnings);
   const std::string type = json.at("type").string();
   Primitive primitive;
+  bool is_there = size > 0.0f;  // what has no area is left out
   if (type == "rect") {
     const auto rect = json.find("rect");
     const float aspect = rect ? within(*rect, "aspect", 1.0f, 0.0f, kLargestSize, warnings) : 1.0f;
     const float width = std::min(size * aspect, kLargestSize);
+    is_there &= width > 0.0f;
     primitive = quad({0.5f * width, -0.5f * size, 0.0f}, {-width, 0, 0}, {0, size, 0});
   } else if (type == "disk") {
     primitive = disc(size);
@@ -78,7 +80,7 @@ int add_area_light(const JsonView& json, Scene& scene, Warnings& warnings) {
   scene.materials.push_back(std::move(material));
   Mesh& mesh = scene.meshes.emplace_back();
   mesh.name = json.string_or("name");
-  if (primitive.positions.front() != primitive.positions.back()) mesh.primitives.push_back(std::move(primitive));
+  if (is_there) mesh.primitives.push_back(std::move(primitive));
   return static_cast<int>(scene.meshes.size()) - 1;
 }
 

@@ -8,8 +8,8 @@
 namespace candela::io {
 
 /// A lamp of EXT_lights_area as a mesh that glows: a rectangle or a disc about the origin that shines along -z, in
-/// metres, with a black material of its own (Material::is_lamp). Adds both to `scene` and returns the mesh's index.
-/// Numbers out of range are clamped, each with a warning.
+/// metres, with a black material of its own (Material::is_lamp). Adds both to `scene` and returns the mesh's index; of
+/// a lamp without area it is empty. Numbers out of range are clamped, each with a warning.
 int add_area_light(const JsonView& json, Scene& scene, Warnings& warnings);
 
 /// Where that mesh stands: as its node is turned, and larger by the largest of its scales, the same to all sides. Empty

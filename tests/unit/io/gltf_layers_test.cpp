@@ -399,6 +399,7 @@ const Primitive& first(const Loaded& loaded) { return loaded.scene.meshes.at(0).
 TEST(unit_io_gltf_layers, uvs_that_a_layer_reads_are_present) {
   for (const SlotCase& c : kSlots) {
     Builder b = with_material({{"extensions", {{c.extension, {{c.key, {{"index", 0}, {"texCoord", 1}}}}}}}});
+    b.root["materials"][0]["extensions"].emplace("KHR_materials_volume", json::object());
     add_texture(b);
     const Loaded loaded = load(b);
     EXPECT_EQ(first(loaded).uvs[1].size(), 3u) << c.key;

@@ -291,6 +291,10 @@ TEST(unit_io_gltf_area_lights, they_are_no_part_of_the_subject_and_hide_with_the
 
 TEST(unit_io_gltf_area_lights, what_is_out_of_range_is_told_and_nonsense_refused) {
   EXPECT_TRUE(load(with_area({{"type", "rect"}, {"size", -1}})).warned("size -1 becomes 0"));
+  for (const json& none : {json{{"type", "rect"}, {"size", 0}}, json{{"type", "disk"}, {"size", 0}},
+                           json{{"type", "rect"}, {"rect", {{"aspect", 0}}}}}) {
+    EXPECT_EQ(area_of(load(with_area(none)).scene).area, 0.0) << none;
+  }
   EXPECT_TRUE(load(with_area({{"type", "rect"}, {"intensity", -1}})).warned("intensity -1 becomes 0"));
   EXPECT_TRUE(load(with_area({{"type", "rect"}, {"color", {1, -1, 1}}})).warned("negative colour"));
   EXPECT_THAT(error_of(with_area({{"type", "sphere"}})), HasSubstr("must be rect or disk"));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/view.h"
 #include "unit/io/gltf_builder.h"
 
 namespace candela::io::test {
