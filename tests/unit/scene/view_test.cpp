@@ -222,6 +222,21 @@ TEST(unit_scene_view, another_aspect_ratio_shows_more_never_less) {
   EXPECT_FLOAT_EQ(plan(1.0f).ymag, 2.0f);
 }
 
+TEST(unit_scene_view, planes_are_the_cameras_and_framing_has_none) {
+  Scene scene;
+  scene.cameras.emplace_back();
+  scene.cameras[0].near_plane = 0.5f, scene.cameras[0].far_plane = 7.0f;
+  Node& node = scene.nodes.emplace_back();
+  node.camera = 0;
+  node.world_from_node = glm::scale(mat4(1.0f), vec3(3.0f));
+  const View view = scene_camera(scene, node, 1.0f);
+  EXPECT_EQ(view.near_plane, 0.5f) << "metres, whatever the scale of its node";
+  EXPECT_EQ(view.far_plane, 7.0f);
+  EXPECT_TRUE(view.is_clipped());
+  EXPECT_FALSE(frame_box({vec3(-1), vec3(1)}, 1.0f, 0.8f).is_clipped());
+  EXPECT_FALSE(look_at({0, 0, 5}, vec3(0), 0.8f).is_clipped());
+}
+
 TEST(unit_scene_view, a_camera_with_an_f_number_has_a_lens) {
   Scene scene = scene_with_cameras();
   EXPECT_EQ(scene_camera(scene, "0", 1.5f).lens.radius, 0.0f);
