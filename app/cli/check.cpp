@@ -82,10 +82,11 @@ Verdict verdict_of(const std::string& name, const study::CheckInput& input) {
 }
 
 /// What keeps a file from being judged: its images, each that fails, or else what the loader says.
-std::vector<Told> causes(const std::string& name, const fs::path& root, const Error& error) {
+std::vector<Told> causes(const std::string& name, const LoadOptions& options, const Error& error) {
   std::vector<Told> result;
   try {
-    const FileSurvey survey = io::survey_gltf(name, {.read_geometry = false, .decode_images = true, .root = root});
+    const FileSurvey survey = io::survey_gltf(
+        name, {.read_geometry = false, .decode_images = true, .root = options.root, .scene = options.scene});
     for (Finding& f : study::check_images(survey)) result.push_back({std::move(f), {}, {}});
   } catch (const Error&) {
     // The file itself is damaged, as `error` says.
@@ -101,10 +102,10 @@ std::vector<Told> causes(const std::string& name, const fs::path& root, const Er
 }
 
 /// What a variant's materials add to the findings of those that primitives name themselves.
-void add_variant(const std::string& name, const fs::path& root, const std::string& variant, Verdict& verdict) {
+void add_variant(const std::string& name, LoadOptions options, const std::string& variant, Verdict& verdict) {
   Diagnostics diagnostics;
-  const Scene scene =
-      io::load_gltf(name, diagnostics, {.variant = variant, .refuse_unknown_required = false, .root = root});
+  options.variant = variant;
+  const Scene scene = io::load_gltf(name, diagnostics, options);
   const auto key = [](const Told& t) { return t.finding.code + '\n' + t.material + '\n' + t.finding.message; };
   std::set<std::string> known;
   for (const Told& t : verdict.findings) known.insert(key(t));
@@ -115,16 +116,17 @@ void add_variant(const std::string& name, const fs::path& root, const std::strin
   }
 }
 
-Verdict judge_file(const std::string& name, const fs::path& root) {
+Verdict judge_file(const std::string& name, const LoadOptions& options) {
   try {
     Diagnostics diagnostics;
     io::FileInfo info;
-    const Scene scene = io::load_gltf(name, diagnostics, {.refuse_unknown_required = false, .root = root}, &info);
+    const Scene scene = io::load_gltf(name, diagnostics, options, &info);
     // Of an image that did not decode the survey says so, too.
     const bool has_lost_images =
         std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
                     [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
-    const FileSurvey survey = io::survey_gltf(name, {.decode_images = has_lost_images, .root = root});
+    const FileSurvey survey =
+        io::survey_gltf(name, {.decode_images = has_lost_images, .root = options.root, .scene = options.scene});
     Verdict verdict = verdict_of(name, {.scene = scene,
                                         .survey = &survey,
                                         .extensions_used = info.extensions_used,
@@ -132,26 +134,26 @@ Verdict judge_file(const std::string& name, const fs::path& root) {
                                         .extensions_missing = info.extensions_missing,
                                         .warnings = diagnostics.warnings(),
                                         .notes = diagnostics.notes()});
-    for (const std::string& variant : info.variants) add_variant(name, root, variant, verdict);
+    for (const std::string& variant : info.variants) add_variant(name, options, variant, verdict);
     std::stable_sort(verdict.findings.begin(), verdict.findings.end(),
                      [](const Told& a, const Told& b) { return a.finding.severity > b.finding.severity; });
     return verdict;
   } catch (const Error& error) {
-    return {name, error.what(), causes(name, root, error)};
+    return {name, error.what(), causes(name, options, error)};
   }
 }
 
-Verdict judge(const std::string& name, const fs::path& root) {
-  if (!name.starts_with("demo:")) return judge_file(name, root);
-  const Scene scene = load(name);
+Verdict judge(const std::string& name, const LoadOptions& options) {
+  if (!name.starts_with("demo:")) return judge_file(name, options);
+  const Scene scene = load(name, nullptr, options);
   return verdict_of(name, {.scene = scene});
 }
 
 /// Empty where it was stopped: half a judgement would pass for a good one.
-std::optional<Verdict> judge_unless_stopped(const std::string& name, const fs::path& root) {
+std::optional<Verdict> judge_unless_stopped(const std::string& name, const LoadOptions& options) {
   const StopScope scope(&Interrupt::requested());
   try {
-    return judge(name, root);
+    return judge(name, options);
   } catch (const Interrupted&) {
     return std::nullopt;
   }
@@ -301,6 +303,7 @@ std::string report_json(const std::vector<Verdict>& verdicts, const Totals& tota
 struct CheckOptions {
   std::vector<std::string> names;
   std::string root;
+  std::string scene;
   bool json = false;
   bool strict = false;
   bool quiet = false;
@@ -311,13 +314,14 @@ void run_check(const CheckOptions& options) {
   constexpr int kMostThreads = 1024;
   const ThreadLimit limit(options.threads.empty() ? 0 : parse_count(options.threads, 0, kMostThreads));
   const std::vector<std::string> scenes = scenes_of(options.names);
+  const LoadOptions load_options{.refuse_unknown_required = false, .root = options.root, .scene = options.scene};
   std::vector<Verdict> verdicts;
   Totals totals;
   ProgressLine progress(options.quiet);
   const Interrupt interrupt;
   for (std::size_t i = 0; i < scenes.size() && !Interrupt::requested(); ++i) {
     progress.phase(fmt::format("{} of {}: {}", i + 1, scenes.size(), scenes[i]));
-    const std::optional<Verdict> verdict = judge_unless_stopped(scenes[i], options.root);
+    const std::optional<Verdict> verdict = judge_unless_stopped(scenes[i], load_options);
     if (!verdict) break;
     totals.add(*verdict);
     if (options.json) {
@@ -358,6 +362,7 @@ Verb add_check(CLI::App& app) {
       ->required()
       ->type_name("");
   add_root(verb, options->root);
+  add_scene_choice(verb, options->scene);
   verb->add_flag("--json", options->json, "For a machine: one JSON object, with the measured numbers");
   verb->add_flag("--strict", options->strict, "Exit code 1 where there is a warning or an error");
   verb->add_option("--threads", options->threads, "Default: all the machine has")->type_name("N");

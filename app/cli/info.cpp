@@ -65,11 +65,16 @@ void describe_materials(const Scene& scene, Json& json, Table& table) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
+    if (material.is_lamp) continue;
     const std::vector<std::string_view> lobes = material_lobes(material);
     json["materials"].push_back({{"index", number_of(scene.materials, i)}, {"name", material.name}, {"lobes", lobes}});
     lines.push_back(fmt::format("{}: {}", or_unnamed(material.name), fmt::join(lobes, ", ")));
   }
-  list(table, "materials", lines, numbers_of(scene.materials));
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    if (!scene.materials[i].is_lamp) numbers.push_back(number_of(scene.materials, i));
+  }
+  list(table, "materials", lines, numbers);
 }
 
 bool contains(const std::vector<std::string>& list, const std::string& name) {
@@ -94,6 +99,18 @@ void describe_extensions(const io::FileInfo& file, Json& json, Table& table) {
     lines.push_back(fmt::format("{}: {}{}", name, is_required ? "required, " : "", status));
   }
   if (!lines.empty()) list(table, "extensions", lines);
+}
+
+/// The scenes of a file that has several.
+void describe_scenes(const io::FileInfo& file, Json& json, Table& table) {
+  json["scene_index"] = file.scenes.empty() ? Json(nullptr) : Json(file.scene);
+  json["scenes"] = file.scenes;
+  if (file.scenes.size() < 2) return;
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < file.scenes.size(); ++i) {
+    lines.push_back(or_unnamed(file.scenes[i]) + (i == file.scene ? ", the one told of here" : ""));
+  }
+  list(table, "scenes", lines);
 }
 
 /// What the scene does not keep.
@@ -129,6 +146,7 @@ void describe_file(const io::FileInfo& file, Json& json, Table& table) {
   if (!file.generator.empty()) table.row("generator", file.generator);
   if (!file.copyright.empty()) table.row("copyright", file.copyright);
   describe_extensions(file, json, table);
+  describe_scenes(file, json, table);
   if (!file.variants.empty()) list(table, "variants", file.variants);
   if (!file.extensions_missing.empty()) {
     table.row("unsupported",
@@ -165,11 +183,9 @@ void describe_content(const Scene& scene, const FileSurvey* survey, Json& json, 
 }
 
 /// The scene of a file, or nothing where an extension that it requires and we lack stands in the way.
-std::optional<Scene> look_into(const std::string& name, const fs::path& root, Diagnostics& diagnostics,
+std::optional<Scene> look_into(const std::string& name, const io::LoadOptions& options, Diagnostics& diagnostics,
                                io::FileInfo& file) {
   try {
-    // Sizes are in the images' headers: a big file answers at once.
-    const io::LoadOptions options{.decode_images = false, .refuse_unknown_required = false, .root = root};
     return io::load_gltf(name, diagnostics, options, &file);
   } catch (const Error& error) {
     if (file.extensions_missing.empty()) throw;
@@ -212,17 +228,21 @@ std::string bytes_text(std::size_t bytes) {
   return fmt::format("{:.1f} MiB", size / (kKibi * kKibi));
 }
 
-Report scene_report(const std::string& name, const fs::path& root) {
+Report scene_report(const std::string& name, const fs::path& root, const std::string& chosen) {
   Diagnostics diagnostics;
   io::FileInfo file;
   const bool built_in = name.starts_with("demo:");
-  const std::optional<Scene> scene = built_in ? load(name) : look_into(name, root, diagnostics, file);
+  // Sizes are in the images' headers: a big file answers at once.
+  const io::LoadOptions options{
+      .decode_images = false, .refuse_unknown_required = false, .root = root, .scene = chosen};
+  const std::optional<Scene> scene =
+      built_in ? load(name, nullptr, options) : look_into(name, options, diagnostics, file);
 
   Json json{{"file", name}, {"kind", "scene"}};
   Table table;
   table.row("scene", name);
   std::optional<FileSurvey> survey;
-  if (scene && !built_in) survey = io::survey_gltf(name, {.read_geometry = false, .root = root});
+  if (scene && !built_in) survey = io::survey_gltf(name, {.read_geometry = false, .root = root, .scene = chosen});
   if (scene) describe_content(*scene, survey ? &*survey : nullptr, json, table);
   if (!built_in) describe_file(file, json, table);
   if (scene) describe_size(*scene, json, table);
@@ -243,6 +263,7 @@ Verb add_info(CLI::App& app) {
   struct Options {
     std::string file;
     std::string root;
+    std::string scene;
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
@@ -254,6 +275,7 @@ Verb add_info(CLI::App& app) {
       ->required()
       ->type_name("");
   add_root(verb, options->root);
+  add_scene_choice(verb, options->scene);
   verb->add_flag("--json", options->json, "For a machine: one JSON object");
   verb->footer("Examples:\n  candela info helmet.glb\n  candela info picture.exr --json");
   return [options] {
@@ -262,7 +284,7 @@ Verb add_info(CLI::App& app) {
     if (!built_in) io::check_inside(parse_image_name(options->file).path, options->root);
     const Report report = is_image_file(options->file)     ? image_report(options->file)
                           : is_texture_file(options->file) ? texture_report(options->file)
-                                                           : scene_report(options->file, options->root);
+                                                           : scene_report(options->file, options->root, options->scene);
     print(options->json ? report.json : report.text);
   };
 }

@@ -22,8 +22,8 @@ bool is_image_file(const std::string& name);  ///< a picture, or FILE:LAYER of o
 Report image_report(const std::string& name);
 bool is_texture_file(const std::filesystem::path& path);
 Report texture_report(const std::filesystem::path& path);  ///< KTX and DDS
-/// `root` is LoadOptions::root.
-Report scene_report(const std::string& scene, const std::filesystem::path& root);
+/// `root` and `scene` are LoadOptions' own.
+Report scene_report(const std::string& name, const std::filesystem::path& root, const std::string& scene);
 
 /// Luminance of a picture's finite pixels, each counting the same.
 struct Luminance {

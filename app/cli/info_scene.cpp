@@ -7,6 +7,7 @@
 #include <set>
 
 #include "cli/info.h"
+#include "math/types.h"
 
 // What `candela info` says of a scene's textures, cameras, lights and size.
 namespace candela::cli {
@@ -212,6 +213,13 @@ void describe_cameras(const Scene& scene, Json& json, Table& table) {
       entry["height_m"] = 2.0f * o->ymag;
       text += fmt::format(", orthographic, {:.4g} x {:.4g} m", 2.0f * o->xmag, 2.0f * o->ymag);
     }
+    entry["near_m"] = camera.near_plane;
+    entry["far_m"] = number_or_null(camera.far_plane);
+    if (camera.far_plane < kInfinity) {
+      text += fmt::format(", sees {:.4g} to {:.4g} m", camera.near_plane, camera.far_plane);
+    } else if (camera.near_plane > 0.0f) {
+      text += fmt::format(", sees from {:.4g} m", camera.near_plane);
+    }
     json["cameras"].push_back(std::move(entry));
     lines.push_back(std::move(text));
   }
@@ -252,7 +260,30 @@ void describe_lights(const Scene& scene, Json& json, Table& table) {
     json["lights"].push_back(std::move(entry));
     lines.push_back(fmt::format("{}, {}, {}", or_unnamed(light.name), type, strength));
   }
-  list(table, "lights", lines, numbers_of(scene.lights));
+  std::vector<int> numbers = numbers_of(scene.lights);
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    if (!is_lamp(scene, scene.nodes[n])) continue;
+    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(scene.nodes[n].mesh)];
+    const vec3 nits = scene.materials[static_cast<std::size_t>(mesh.primitives[0].material)].emission;
+    double area = 0.0;
+    for (const uvec3& t : mesh.primitives[0].triangles) {
+      const auto corner = [&](std::uint32_t i) {
+        return transform_point(scene.nodes[n].world_from_node, mesh.primitives[0].positions[i]);
+      };
+      area += 0.5 * static_cast<double>(glm::length(glm::cross(corner(t.y) - corner(t.x), corner(t.z) - corner(t.x))));
+    }
+    const double lumens = static_cast<double>(luminance(nits)) * area * static_cast<double>(kPi);
+    json["lights"].push_back({{"index", number_of(scene.nodes, n)},
+                              {"name", mesh.name},
+                              {"type", "area"},
+                              {"luminance_cd_m2", vec3_json(nits)},
+                              {"area_m2", area},
+                              {"lumens", lumens}});
+    lines.push_back(fmt::format("{}, area light of node {}, {} cd/m2 on {:.4g} m2, {:.4g} lm", or_unnamed(mesh.name),
+                                number_of(scene.nodes, n), vec3_text(nits), area, lumens));
+    numbers.push_back(number_of(scene.nodes, n));
+  }
+  list(table, "lights", lines, numbers);
 }
 
 void describe_size(const Scene& scene, Json& json, Table& table) {

@@ -43,4 +43,14 @@ inline CLI::Option* add_root(CLI::App* verb, std::string& into) {
                    "Refuse a scene that lies or reads outside of DIR, links resolved [it reads what it names]");
 }
 
+/// --scene, of every verb that reads a scene.
+inline CLI::Option* add_scene_choice(CLI::App* verb, std::string& into) {
+  const auto named = [](const std::string& text) {
+    if (text.empty()) throw UsageError("the name is empty");
+    return text;
+  };
+  return add_value(verb, "--scene", "INDEX|NAME", into, named,
+                   "Which of the scenes that a file holds, as candela info lists them [its default one]");
+}
+
 }  // namespace candela::cli

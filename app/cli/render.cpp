@@ -217,6 +217,9 @@ Scene scene_at(const RenderOptions& o, Job& job, double moment_s) {
   if (job.is_moving) pose = Pose{o.animation.value_or(""), moment_s};
   Scene scene = job.asset.scene(pose);
   if (o.light_falloff) set_falloff(*o.light_falloff, scene);
+  for (Camera& camera : scene.cameras) {
+    if (o.ignores_planes) camera.near_plane = 0.0f, camera.far_plane = kInfinity;
+  }
   return scene;
 }
 
@@ -307,6 +310,7 @@ std::map<std::string, std::string> metadata(const RenderOptions& o, const Job& j
       {"samples", fmt::format("{}", samples_per_pixel)},
       {"seed", fmt::format("{}", o.settings.seed)},
       {"version", fmt::format("candela {}", version())}};
+  if (!o.scene_choice.empty()) result["scene_of_file"] = o.scene_choice;
   if (!o.variant.empty()) result["variant"] = o.variant;
   if (!o.shading.empty()) result["shading"] = o.shading;
   return result;
@@ -528,7 +532,7 @@ Outcome render_scene(const RenderOptions& given, Inputs inputs, Shared& shared, 
   check_paths(o);
   progress.phase("loading " + o.scene);
   Diagnostics diagnostics;
-  Job job(Asset(o.scene, &diagnostics, LoadOptions{.variant = o.variant, .root = o.root}));
+  Job job(Asset(o.scene, &diagnostics, LoadOptions{.variant = o.variant, .root = o.root, .scene = o.scene_choice}));
   inputs.add(job.asset.files());
   choose_default_name(o, inputs);
   check_overwriting(o, inputs);

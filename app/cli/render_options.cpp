@@ -37,6 +37,7 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
     if (value.empty()) throw UsageError("the name is empty");
     return value;
   };
+  add_scene_choice(verb, o.scene_choice)->group(group);
   add_value(verb, "--variant", "NAME", o.variant, variant,
             "One of the file's material variants, as candela info lists them [its default look]")
       ->group(group);
@@ -114,12 +115,17 @@ void add_camera(CLI::App* verb, RenderOptions& o) {
                                   "Corners of the aperture, below 3 it is round [0]");
   CLI::Option* vignetting = add_value(verb, "--vignetting", "X", o.vignetting, number_within(0.0f, 1.0f),
                                       "Fall-off to the corners: 0 none, 1 natural [0]");
+  CLI::Option* no_clip =
+      verb->add_flag("--no-clip", o.ignores_planes,
+                     "The file's camera sees what is before its near plane and beyond its far one, too");
   camera->excludes(orbit)->excludes(eye);
+  no_clip->excludes(orbit)->excludes(eye);
   orbit->excludes(eye);
   target->needs(eye);
   CLI::Option* turntable = add_value(verb, "--turntable", "N", o.turntable, count_within(1, 100000),
                                      "N pictures from all around the subject, into -o NAME%03d.png");
-  for (CLI::Option* option : {camera, orbit, eye, target, fov, f_number, focus, blades, vignetting, turntable}) {
+  for (CLI::Option* option :
+       {camera, orbit, eye, target, fov, f_number, focus, blades, vignetting, no_clip, turntable}) {
     option->group(group);
   }
 }

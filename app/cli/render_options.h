@@ -19,6 +19,7 @@ namespace candela::cli {
 struct RenderOptions {
   std::vector<std::string> scenes;
   std::string scene;                 ///< the one at hand
+  std::string scene_choice;          ///< of those in the file; empty = its default one
   std::string variant;               ///< empty = the file's default look
   std::string root;                  ///< where all files of a scene must lie; empty = anywhere
   std::vector<std::string> outputs;  ///< with a turntable patterns of names; with several scenes one folder
@@ -53,6 +54,7 @@ struct RenderOptions {
   std::optional<Orbit> orbit;
   std::optional<vec3> eye;
   std::optional<vec3> target;
+  bool ignores_planes = false;  ///< of the file's cameras
   std::optional<float> fov;
   std::optional<float> f_number;
   std::optional<float> focus_distance;

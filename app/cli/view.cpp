@@ -29,6 +29,7 @@ namespace {
 struct ViewOptions {
   std::string scene;
   std::string root;
+  std::string scene_choice;
   std::optional<std::string> environment;
   ivec2 size{1280, 720};
   std::string shader_folder;
@@ -94,7 +95,7 @@ raster::Settings settings_of(const ViewOptions& o) {
 
 Viewer::Viewer(const ViewOptions& o)
     : options_(o),
-      asset_(o.scene, &diagnostics_, LoadOptions{.root = o.root}),
+      asset_(o.scene, &diagnostics_, LoadOptions{.root = o.root, .scene = o.scene_choice}),
       scene_(asset_.scene()),
       environment_(make_environment(o.environment.value_or(default_environment(scene_)), &diagnostics_)),
       bounds_(subject_bounds(scene_)),
@@ -235,6 +236,7 @@ Verb add_view(CLI::App& app) {
   add_value(verb, "--shaders", "DIR", options->shader_folder, folder,
             "For development: read shaders from there, and again whenever they change");
   add_root(verb, options->root);
+  add_scene_choice(verb, options->scene_choice);
   add_value(verb, "--frames", "N", options->frames, count_within(1, 1000000),
             "Close after N frames, and say how long they took");
   verb->footer(

@@ -25,6 +25,8 @@ Asset::Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const Lo
     file_ = std::make_shared<io::GltfFile>(name_, diagnostics_ != nullptr ? *diagnostics_ : ignored_, options);
   } else if (!options.variant.empty()) {
     throw Error("a built-in scene has no variants", name_);
+  } else if (!options.scene.empty()) {
+    throw Error("a built-in scene is one scene, of which none can be chosen", name_);
   }
 }
 

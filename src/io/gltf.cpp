@@ -18,6 +18,7 @@
 #include "base/parallel.h"
 #include "io/foreign_scene.h"
 #include "io/gltf_animation.h"
+#include "io/gltf_areas.h"
 #include "io/gltf_extensions.h"
 #include "io/gltf_files.h"
 #include "io/gltf_lights.h"
@@ -61,7 +62,7 @@ std::optional<Variant> find_variant(const JsonView& root, const FileInfo& info, 
   return Variant{static_cast<std::size_t>(found - info.variants.begin()), info.variants.size()};
 }
 
-FileInfo read_info(const GltfDocument& document, std::size_t file_bytes) {
+FileInfo read_info(const GltfDocument& document, std::size_t file_bytes, const std::string& scene) {
   const JsonView root = document.root();
   FileInfo info;
   const auto asset = root.find("asset");
@@ -80,12 +81,47 @@ FileInfo read_info(const GltfDocument& document, std::size_t file_bytes) {
   sort_extensions(document, info);
   info.variants = read_variants(root);
   info.animations = read_animation_list(root);
+  info.scenes = read_scene_names(root);
+  info.scene = find_scene(root, scene);
   info.skins = static_cast<int>(count_of(root, "skins"));
   info.file_bytes = file_bytes;
   return info;
 }
 
-Camera read_camera(const JsonView& json) {
+/// The planes between which a camera sees (glTF 2.0 §5.13.3 and §5.14); what makes no sense is left out.
+void read_planes(const JsonView& projection, bool is_perspective, Camera& camera, Warnings& warnings) {
+  const float near = projection.real_or("znear", 0.0f);
+  const auto zfar = projection.find("zfar");
+  const float far = zfar ? zfar->real() : kInfinity;
+  const bool has_near = near > 0.0f || (near == 0.0f && (!is_perspective || !projection.find("znear")));
+  if (!has_near) {
+    warnings.warn(fmt::format("a znear of {} is out of range; the camera sees what is near, too", near), projection);
+  } else {
+    camera.near_plane = near;
+  }
+  if (far > camera.near_plane) {
+    camera.far_plane = far;
+  } else {
+    warnings.warn(
+        fmt::format("a zfar of {} is not beyond the znear of {}; the camera sees what is far, too", far, near),
+        projection);
+  }
+}
+
+/// The lens of EXT_camera_physical; how far it sees to the sides is the core's own to say.
+void read_lens(const JsonView& json, Camera& camera, Warnings& warnings) {
+  const auto read = [&](const char* key, float fallback) {
+    const float value = json.real_or(key, fallback);
+    if (value >= 0.0f && (value > 0.0f || !json.find(key))) return value;
+    warnings.warn(fmt::format("a {} of {} is out of range and is left out", key, value), json);
+    return 0.0f;
+  };
+  camera.focal_length = read("focalLength", 0.0f);
+  camera.f_number = read("fStop", 0.0f);
+  camera.focus_distance = read("focusDistance", 0.0f);
+}
+
+Camera read_camera(const JsonView& json, Warnings& warnings) {
   Camera camera;
   camera.name = json.string_or("name");
   const std::string type = json.at("type").string();
@@ -99,6 +135,8 @@ Camera read_camera(const JsonView& json) {
       if (!(*result.aspect_ratio > 0)) throw ratio->error("must be positive");
     }
     camera.projection = result;
+    read_planes(perspective, true, camera, warnings);
+    if (const auto lens = json.extension("EXT_camera_physical")) read_lens(*lens, camera, warnings);
   } else if (type == "orthographic") {
     const JsonView orthographic = json.at("orthographic");
     OrthographicCamera result;
@@ -107,6 +145,7 @@ Camera read_camera(const JsonView& json) {
     result.ymag = std::fabs(orthographic.at("ymag").real());
     if (result.xmag == 0 || result.ymag == 0) throw orthographic.error("xmag and ymag must not be 0");
     camera.projection = result;
+    read_planes(orthographic, false, camera, warnings);
   } else {
     throw json.at("type").error("must be perspective or orthographic");
   }
@@ -157,6 +196,7 @@ class Loader {
   void read_cameras_and_lights();
   void place_mesh(std::size_t file_index, int mesh, const Box3& box, int scene_node, Node& node,
                   std::vector<Node>& appended);
+  void place_area_light(std::size_t file_index, std::vector<Node>& appended);
   void check_extent(const mat4& world_from_mesh, std::size_t file_index, const Box3& box) const;
   void check_scale(const mat4& world_from_mesh, std::size_t file_index);
 
@@ -172,6 +212,7 @@ class Loader {
   std::map<MeshKey, std::size_t> mesh_of_key_;            ///< ordered, and so are the scene's meshes
   std::vector<std::optional<std::size_t>> mesh_of_node_;  ///< of the file
   std::map<std::size_t, int> camera_of_file_, light_of_file_, ies_light_of_node_;
+  std::map<std::size_t, int> mesh_of_area_light_;
   MaterialSet materials_;
   bool is_posed_ = false;  ///< by an animation, which may hide things by a scale of 0
   Scene scene_;
@@ -348,7 +389,7 @@ void Loader::read_cameras_and_lights() {
   }
   for (auto& [file_index, index] : camera_of_file_) {
     index = static_cast<int>(scene_.cameras.size());
-    scene_.cameras.push_back(read_camera(root_.at("cameras")[file_index]));
+    scene_.cameras.push_back(read_camera(root_.at("cameras")[file_index], warnings_));
     scene_.cameras.back().file_index = static_cast<int>(file_index);
   }
   LightReader lights(root_, buffers_, uris_, warnings_, scene_);
@@ -423,6 +464,29 @@ void Loader::place_mesh(std::size_t file_index, int mesh, const Box3& box, int s
   }
 }
 
+/// As a mesh that glows, of a node of its own: it grows with its node to all sides alike.
+void Loader::place_area_light(std::size_t file_index, std::vector<Node>& appended) {
+  const FileNode& source = file_.nodes[file_index];
+  const auto place = place_of_area_light(source.world_from_node);
+  if (!place) return;
+  const std::size_t light = *source.area_light;
+  const auto [found, is_new] = mesh_of_area_light_.try_emplace(light, -1);
+  if (is_new) {
+    found->second = add_area_light(root_.extension("EXT_lights_area")->at("lights")[light], scene_, warnings_);
+  }
+  const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(found->second)];
+  if (mesh.primitives.empty()) return;
+  Box3 box;
+  for (const vec3 p : mesh.primitives[0].positions) box.extend(p);
+  check_extent(*place, file_index, box);
+  Node lamp;
+  lamp.name = source.name;
+  lamp.parent_from_node = *place;
+  lamp.mesh = found->second;
+  lamp.file_index = static_cast<int>(file_index);
+  appended.push_back(std::move(lamp));
+}
+
 void Loader::place_nodes() {
   std::vector<int> node_of_file(file_.nodes.size(), -1);
   int count = 0;
@@ -451,6 +515,7 @@ void Loader::place_nodes() {
       continue;
     }
     if (source.light) node.light = light_of_file_.at(*source.light);
+    if (source.area_light) place_area_light(i, appended);
     const auto mesh = mesh_of_node_[i];
     if (mesh && !scene_.meshes[*mesh].primitives.empty()) {
       place_mesh(i, static_cast<int>(*mesh), boxes[*mesh], node_of_file[i], node, appended);
@@ -481,7 +546,7 @@ Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* 
   }
   MovedDocument moved(document_.json());
   for (const AnimatedMoment& moment : moments) moment.move_properties(moved);
-  file_ = read_nodes(root_, warnings_, [&](std::vector<FileNode>& nodes) {
+  file_ = read_nodes(root_, info.scene, warnings_, [&](std::vector<FileNode>& nodes) {
     for (const AnimatedMoment& moment : moments) moment.pose_nodes(nodes);
   });
   scene_.name = file_.name;
@@ -513,7 +578,7 @@ struct GltfFile::Parts {
         document(bytes, std::move(source.label), diagnostics),
         uris(std::move(source.files)),
         buffers(document, uris),
-        info(read_info(document, bytes.size())) {
+        info(read_info(document, bytes.size(), options.scene)) {
     check_references(document.root(), document.json(), uris);
     info.files = referenced_files(document.json(), uris);
     info.archive_entry = std::move(source.entry);

@@ -24,6 +24,9 @@ struct LoadOptions {
   /// A folder in which the file and everything it names must lie, all links resolved; what leads out of it is an Error.
   /// Empty = wherever the names lead.
   std::filesystem::path root = {};
+  /// A name or an index of the file's scenes; empty = its default scene (else its first, else all root nodes). One that
+  /// the file has not is an Error that lists those it has.
+  std::string scene = {};
 };
 
 /// A moment of an animation.
@@ -60,6 +63,8 @@ struct FileInfo {
   std::vector<std::string> variants;            ///< names of KHR_materials_variants
   std::vector<std::string> extensions_missing;  ///< required, but not supported
   std::vector<AnimationInfo> animations;
+  std::vector<std::string> scenes;  ///< their names, empty where a scene has none
+  std::size_t scene = 0;            ///< the one that is read, of scenes
   int skins = 0;
   std::size_t file_bytes = 0;  ///< of the .gltf or .glb itself
   std::string archive_entry;   ///< its name in the .zip that holds it; empty where it is a file of its own
@@ -81,12 +86,13 @@ std::vector<ReferencedFile> files_of_gltf(const std::filesystem::path& path, con
 /// beside them count alone, but what an emissive texture should say glows is dark: a factor is the brightest that the
 /// texture may make it, and would make the whole surface a lamp.
 ///
-/// The scene is the file's default scene (else its first, else all root nodes). It holds what that scene uses and
+/// The scene is the file's default one, or LoadOptions::scene. It holds what that scene uses and
 /// nothing else, renumbered without gaps in the file's order: other nodes, meshes, materials, images, cameras and
 /// lights are neither read nor decoded. Morph targets and skins are applied as the nodes stand (a mesh
 /// appears once per pose); a skinned mesh, whose node's own transform glTF ignores, moves to a root node of the same
 /// name and number after the file's nodes; so do the instances of EXT_mesh_gpu_instancing, as children, with their
-/// _COLOR_0 as Node::color; the IES light of a node that has a punctual one too becomes its child there. Triangles
+/// _COLOR_0 as Node::color; the IES light of a node that has a punctual one too becomes its child there, and
+/// a lamp of EXT_lights_area a root node there with a mesh and a material of its own (Material::is_lamp). Triangles
 /// without an area and vertices without a triangle are dropped. What KHR_node_visibility hides is left out: its nodes
 /// stand, with their cameras, but hold nothing else; it is read where an animation may show it. Every uv set that a
 /// primitive's material reads is present, as zeros where the file has none. Coordinates stay within 1e9 metres.

@@ -15,6 +15,8 @@ namespace candela::io {
 namespace {
 
 constexpr auto kSupported = std::to_array<std::string_view>({
+    "EXT_camera_physical",
+    "EXT_lights_area",
     "EXT_lights_ies",
     "EXT_mesh_gpu_instancing",
     "EXT_mesh_primitive_restart",

@@ -50,8 +50,6 @@ class MaterialReader {
   V factors(const JsonView& json, const char* key, V fallback, float upper = 1.0f);
   TextureSlot slot(const JsonView& owner, const char* key);
   std::optional<JsonView> own_extra(const char* name);
-  /// A texture that a draft allows and no field of Material takes.
-  void ignore_texture(const JsonView& owner, const char* key);
   /// An extension that describes reflection or transmission, unless another one excludes it.
   std::optional<JsonView> layer(const char* name);
 
@@ -66,6 +64,7 @@ class MaterialReader {
   void read_iridescence();
   void read_transmission();
   void read_volume();
+  void read_scatter_members(const JsonView& json);
   void read_scattering();
   void read_conductor();
   void read_height();
@@ -122,8 +121,9 @@ TextureSlot MaterialReader::slot(const JsonView& owner, const char* key) {
     set = transform->whole_or("texCoord", set);
     read_transform(*transform, result);
   }
-  if (set > 1) {
-    warn(fmt::format("{} uses TEXCOORD_{}; only sets 0 and 1 are supported, so it is ignored", key, set), *info);
+  constexpr std::uint64_t kHighestSet = 999;  // no file has as many
+  if (set > kHighestSet) {
+    warn(fmt::format("{} uses TEXCOORD_{}, which is beyond {}, and is ignored", key, set, kHighestSet), *info);
     return {};
   }
   if (!texture_source(root_.at("textures")[texture])) {
@@ -133,10 +133,6 @@ TextureSlot MaterialReader::slot(const JsonView& owner, const char* key) {
   result.texture = static_cast<int>(texture);
   result.uv_set = static_cast<int>(set);
   return result;
-}
-
-void MaterialReader::ignore_texture(const JsonView& owner, const char* key) {
-  if (const auto info = owner.find(key)) warn(fmt::format("{} is not supported and is ignored", key), *info);
 }
 
 std::optional<JsonView> MaterialReader::layer(const char* name) {
@@ -304,32 +300,48 @@ void MaterialReader::read_volume() {
   }
 }
 
-/// KHR_materials_volume_scatter, or in its place its successor among the drafts, KHR_materials_scatter, of which the
-/// volumetric mode without textures means the same.
+/// What both drafts of scattering have.
+void MaterialReader::read_scatter_members(const JsonView& json) {
+  material_.scatter_anisotropy =
+      factor(json, "scatterAnisotropy", 0.0f, -kLargestScatterAnisotropy, kLargestScatterAnisotropy);
+  material_.multiscatter_color_texture = slot(json, "multiscatterColorTexture");
+}
+
+/// KHR_materials_volume_scatter, or in its place its successor among the drafts, KHR_materials_scatter. The colour of
+/// the first is called multiscatterColorFactor since February 2026.
 void MaterialReader::read_scattering() {
   if (const auto scatter = layer("KHR_materials_volume_scatter")) {
     if (!json_.extension("KHR_materials_volume")) {
       note("KHR_materials_volume_scatter has no effect without KHR_materials_volume", *scatter);
       return;
     }
-    material_.multiscatter_color = factors(*scatter, "multiscatterColor", vec3(0));
-    material_.scatter_anisotropy =
-        factor(*scatter, "scatterAnisotropy", 0.0f, -kLargestScatterAnisotropy, kLargestScatterAnisotropy);
+    const char* name = scatter->find("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor";
+    material_.multiscatter_color = factors(*scatter, name, vec3(0));
+    read_scatter_members(*scatter);
+    if (const auto successor = json_.extension("KHR_materials_scatter")) {
+      note("KHR_materials_scatter is ignored beside KHR_materials_volume_scatter", *successor);
+    }
   } else if (const auto successor = layer("KHR_materials_scatter")) {
     if (json_.extension("KHR_materials_diffuse_transmission")) {
       warn("KHR_materials_scatter is ignored beside KHR_materials_diffuse_transmission", *successor);
       return;
     }
-    if (!material_.has_volume()) {
-      warn("KHR_materials_scatter of a thin wall is not supported and is ignored", *successor);
+    if (!json_.extension("KHR_materials_transmission")) {
+      note("KHR_materials_scatter has no effect without KHR_materials_transmission", *successor);
       return;
     }
-    material_.multiscatter_color =
-        factor(*successor, "scatterStrengthFactor", 0.0f) * factors(*successor, "multiscatterColorFactor", vec3(1));
-    material_.scatter_anisotropy =
-        factor(*successor, "scatterAnisotropy", 0.0f, -kLargestScatterAnisotropy, kLargestScatterAnisotropy);
-    ignore_texture(*successor, "scatterStrengthTexture");
-    ignore_texture(*successor, "multiscatterColorTexture");
+    const float strength = factor(*successor, "scatterStrengthFactor", 0.0f);
+    if (strength <= 0.0f) {
+      note("KHR_materials_scatter has no effect: its scatterStrengthFactor is 0, as it is unless given", *successor);
+    }
+    material_.multiscatter_color = factors(*successor, "multiscatterColorFactor", vec3(1));
+    material_.scatter_strength_texture = slot(*successor, "scatterStrengthTexture");
+    read_scatter_members(*successor);
+    if (material_.has_volume()) {
+      material_.multiscatter_color *= strength;
+    } else {
+      material_.sheet_scatter = strength;
+    }
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
 
 #include "io/tangents.h"
 
@@ -35,7 +37,7 @@ void gather_vertices(Primitive& primitive, std::span<const std::uint32_t> source
   gather(primitive.positions, sources);
   gather(primitive.normals, sources);
   gather(primitive.tangents, sources);
-  for (auto& uvs : primitive.uvs) gather(uvs, sources);
+  for (auto& [set, uvs] : primitive.uvs) gather(uvs, sources);
   gather(primitive.colors, sources);
 }
 
@@ -94,6 +96,17 @@ std::vector<std::uint32_t> compact(std::vector<uvec3>& triangles, std::size_t ve
 template <class V>
 void add_scaled(std::vector<V>& values, const std::vector<V>& deltas, float weight) {
   for (std::size_t i = 0; i < values.size() && i < deltas.size(); ++i) values[i] += weight * deltas[i];
+}
+
+/// Whether some were out of range.
+bool clamp_colors(std::vector<vec4>& colors) {
+  bool is_any = false;
+  for (vec4& c : colors) {
+    const vec4 clamped = glm::clamp(c, vec4(0), vec4(1));
+    is_any |= clamped != c;
+    c = clamped;
+  }
+  return is_any;
 }
 
 void check_coordinates(const Primitive& primitive, const JsonView& json) {
@@ -242,6 +255,8 @@ mat3 normal_matrix(const mat3& m) {
 
 }  // namespace
 
+std::string uv_set_name(std::size_t set) { return fmt::format("TEXCOORD_{}", set); }
+
 std::vector<mat4> read_skin(const JsonView& skin, const std::vector<FileNode>& nodes, AccessorReader& reader) {
   const JsonView joints = skin.at("joints");
   const std::size_t count = joints.size();
@@ -327,33 +342,41 @@ std::vector<V> MeshReader::read_attribute(const JsonView& attributes, const char
   return reader_.read_as<V>(accessor, selection);
 }
 
-Primitive MeshReader::read_vertices(const JsonView& attributes, const Accessor& positions, const Selection& selection) {
+std::vector<vec4> MeshReader::read_colors(const JsonView& attributes, std::size_t vertex_count,
+                                          const Selection& selection, float alpha) {
+  const auto reference = attributes.find("COLOR_0");
+  if (!reference) return {};
+  if (reader_.open(*reference, {"VEC3", "VEC4"}).components == 4) {
+    return read_attribute<vec4>(attributes, "COLOR_0", "VEC4", vertex_count, selection);
+  }
+  std::vector<vec4> result;
+  for (const vec3 c : read_attribute<vec3>(attributes, "COLOR_0", "VEC3", vertex_count, selection)) {
+    result.emplace_back(c, alpha);
+  }
+  return result;
+}
+
+Primitive MeshReader::read_vertices(const JsonView& attributes, const Accessor& positions, const Selection& selection,
+                                    int material) {
   const std::size_t n = positions.count;
   Primitive result;
   result.positions = reader_.read_as<vec3>(positions, selection);
   result.normals = read_attribute<vec3>(attributes, "NORMAL", "VEC3", n, selection);
   if (!result.normals.empty()) result.tangents = read_attribute<vec4>(attributes, "TANGENT", "VEC4", n, selection);
-  result.uvs[0] = read_attribute<vec2>(attributes, "TEXCOORD_0", "VEC2", n, selection);
-  result.uvs[1] = read_attribute<vec2>(attributes, "TEXCOORD_1", "VEC2", n, selection);
-  if (const auto reference = attributes.find("TEXCOORD_2")) {
-    warnings_.warn("only two sets of texture coordinates are supported; the others are ignored", *reference);
+  result.material = material;
+  std::set<std::size_t> sets = {0, 1};
+  for (const TextureSlot* slot : texture_slots(materials_[static_cast<std::size_t>(material)])) {
+    if (*slot) sets.insert(static_cast<std::size_t>(slot->uv_set));
   }
-  if (const auto reference = attributes.find("COLOR_0")) {
-    Accessor accessor = reader_.open(*reference, {"VEC3", "VEC4"});
-    if (accessor.components == 4) {
-      result.colors = read_attribute<vec4>(attributes, "COLOR_0", "VEC4", n, selection);
-    } else {
-      for (const vec3 c : read_attribute<vec3>(attributes, "COLOR_0", "VEC3", n, selection)) {
-        result.colors.emplace_back(c, 1.0f);
-      }
-    }
-    bool out_of_range = false;
-    for (vec4& c : result.colors) {
-      const vec4 clamped = glm::clamp(c, vec4(0), vec4(1));
-      out_of_range |= clamped != c;
-      c = clamped;
-    }
-    if (out_of_range) warnings_.warn("vertex colours outside 0 to 1 are clamped", *reference);
+  for (const std::size_t set : sets) {
+    result.uvs[set] = read_attribute<vec2>(attributes, uv_set_name(set).c_str(), "VEC2", n, selection);
+  }
+  result.colors = read_colors(attributes, n, selection, 1.0f);
+  if (clamp_colors(result.colors)) {
+    warnings_.warn("vertex colours outside 0 to 1 are clamped", attributes.at("COLOR_0"));
+  }
+  if (const auto reference = attributes.find("COLOR_1")) {
+    warnings_.note("COLOR_1 changes no pixel: of vertex colours glTF gives a meaning to COLOR_0 alone", *reference);
   }
   return result;
 }
@@ -369,13 +392,21 @@ void MeshReader::apply_morph(const JsonView& json, const std::vector<float>& wei
     if (weight == 0.0f) continue;
     add_scaled(primitive.positions, read_attribute<vec3>(target, "POSITION", "VEC3", n, selection), weight);
     add_scaled(primitive.normals, read_attribute<vec3>(target, "NORMAL", "VEC3", n, selection), weight);
-    add_scaled(primitive.uvs[0], read_attribute<vec2>(target, "TEXCOORD_0", "VEC2", n, selection), weight);
-    add_scaled(primitive.uvs[1], read_attribute<vec2>(target, "TEXCOORD_1", "VEC2", n, selection), weight);
+    for (auto& [set, uvs] : primitive.uvs) {
+      if (uvs.empty()) continue;
+      add_scaled(uvs, read_attribute<vec2>(target, uv_set_name(set).c_str(), "VEC2", n, selection), weight);
+    }
+    if (!primitive.colors.empty()) {
+      add_scaled(primitive.colors, read_colors(target, n, selection, 0.0f), weight);
+    } else if (const auto reference = target.find("COLOR_0")) {
+      warnings_.warn("a morph target moves COLOR_0, which the primitive has not; ignored", *reference);
+    }
     const std::vector<vec3> tangents = read_attribute<vec3>(target, "TANGENT", "VEC3", n, selection);
     for (std::size_t k = 0; k < primitive.tangents.size() && k < tangents.size(); ++k) {
       primitive.tangents[k] += vec4(weight * tangents[k], 0);
     }
   }
+  clamp_colors(primitive.colors);  // glTF 2.0 §3.7.2.2
 }
 
 void MeshReader::apply_skin(const JsonView& attributes, const std::vector<mat4>& joints, std::size_t vertex_count,
@@ -429,8 +460,9 @@ void MeshReader::finish_normals(const JsonView& json, Primitive& primitive) {
     normalize_normals(primitive);
     return;
   }
-  // Worst case per corner: position, normal, tangent, two uvs, colour.
-  reader_.charge(primitive.triangles.size() * 3 * (2 * sizeof(vec3) + 2 * sizeof(vec4) + 2 * sizeof(vec2)), json);
+  // Worst case per corner: position, normal, tangent, uvs, colour.
+  const auto sets = static_cast<std::size_t>(std::distance(primitive.uvs.begin(), primitive.uvs.end()));
+  reader_.charge(primitive.triangles.size() * 3 * (2 * sizeof(vec3) + 2 * sizeof(vec4) + sets * sizeof(vec2)), json);
   make_flat(primitive);
 }
 
@@ -501,17 +533,17 @@ std::optional<Primitive> MeshReader::read_primitive(const JsonView& json, const 
   const Selection selection =
       used.size() == positions.count ? Selection() : Selection(std::span<const std::uint32_t>(used));
 
-  Primitive primitive = read_vertices(attributes, positions, selection);
-  primitive.triangles = std::move(triangles);
   const auto material = material_of_primitive(json, material_of_file_.size(), variant_);
-  primitive.material = material ? material_of_file_[*material] : default_material_;
+  Primitive primitive =
+      read_vertices(attributes, positions, selection, material ? material_of_file_[*material] : default_material_);
+  primitive.triangles = std::move(triangles);
 
   // Pose.
   apply_morph(json, pose.weights, positions.count, selection, primitive);
   if (!pose.joints.empty()) apply_skin(attributes, pose.joints, positions.count, selection, primitive);
   check_coordinates(primitive, *position_reference);
 
-  for (auto& uvs : primitive.uvs) clamp_uvs(uvs, json, warnings_);
+  for (auto& [set, uvs] : primitive.uvs) clamp_uvs(uvs, json, warnings_);
 
   // Triangles without an area neither show nor have a normal.
   std::erase_if(primitive.triangles, [&](const uvec3& t) { return area_vector(primitive, t) == dvec3(0); });

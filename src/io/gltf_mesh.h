@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -39,6 +40,9 @@ std::optional<std::size_t> material_of_primitive(const JsonView& primitive, std:
 /// is a list, also of a primitive that was a strip before it was compressed.
 std::uint64_t mode_of_primitive(const JsonView& primitive);
 
+/// "TEXCOORD_n"
+std::string uv_set_name(std::size_t set);
+
 /// What a material wants of the vertices that wear it: the same geometry serves materials that want the same.
 struct VertexNeeds {
   std::array<int, std::tuple_size_v<decltype(texture_slots(std::declval<Material&>()))>> uv_sets{};  ///< -1: none
@@ -72,7 +76,11 @@ class MeshReader {
  private:
   std::optional<Primitive> read_primitive(const JsonView& json, const MeshPose& pose);
   std::vector<uvec3> read_triangles(const JsonView& json, std::uint64_t mode, std::size_t vertex_count);
-  Primitive read_vertices(const JsonView& attributes, const Accessor& positions, const Selection& selection);
+  /// Of uv sets the first two, and those that the material reads.
+  Primitive read_vertices(const JsonView& attributes, const Accessor& positions, const Selection& selection,
+                          int material);
+  std::vector<vec4> read_colors(const JsonView& attributes, std::size_t vertex_count, const Selection& selection,
+                                float alpha);
   void apply_morph(const JsonView& json, const std::vector<float>& weights, std::size_t vertex_count,
                    const Selection& selection, Primitive& primitive);
   void apply_skin(const JsonView& attributes, const std::vector<mat4>& joints, std::size_t vertex_count,

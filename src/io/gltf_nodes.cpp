@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "io/gltf_pointer.h"
@@ -73,7 +74,7 @@ mat4 compose(vec3 translation, quat rotation, vec3 scale) {
 
 /// How many of each a node may refer to.
 struct Counts {
-  std::size_t meshes, skins, cameras, lights, profiles;
+  std::size_t meshes, skins, cameras, lights, profiles, areas;
 };
 
 IesUse read_ies_use(const JsonView& json, std::size_t profiles, Warnings& warnings) {
@@ -101,6 +102,9 @@ FileNode read_node(const JsonView& json, const Counts& counts, Warnings& warning
   }
   if (const auto light = json.extension("KHR_lights_punctual")) {
     node.light = light->at("light").index(counts.lights, "light");
+  }
+  if (const auto area = json.extension("EXT_lights_area")) {
+    node.area_light = area->at("light").index(counts.areas, "area light");
   }
   if (const auto ies = json.extension("EXT_lights_ies")) node.ies = read_ies_use(*ies, counts.profiles, warnings);
   return node;
@@ -168,12 +172,10 @@ void mark_scene(const std::vector<std::size_t>& roots, bool uses_hidden, std::ve
   }
 }
 
-/// Roots of the default scene, of the first one, or of the whole file.
-std::vector<std::size_t> scene_roots(const JsonView& root, FileScene& scene) {
+/// Roots of a scene, or of the whole file where it has none.
+std::vector<std::size_t> scene_roots(const JsonView& root, std::size_t chosen, FileScene& scene) {
   std::vector<std::size_t> roots;
-  const std::size_t count = count_of(root, "scenes");
-  const std::size_t chosen = root.index_of("scene", count, "scene").value_or(0);
-  if (count == 0) {
+  if (count_of(root, "scenes") == 0) {
     for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
       if (!scene.nodes[i].parent) roots.push_back(i);
     }
@@ -194,13 +196,44 @@ std::vector<std::size_t> scene_roots(const JsonView& root, FileScene& scene) {
 
 }  // namespace
 
-FileScene read_nodes(const JsonView& root, Warnings& warnings,
+std::vector<std::string> read_scene_names(const JsonView& root) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < count_of(root, "scenes"); ++i) {
+    names.push_back(root.at("scenes")[i].string_or("name"));
+  }
+  return names;
+}
+
+std::size_t find_scene(const JsonView& root, const std::string& name) {
+  const std::size_t count = count_of(root, "scenes");
+  if (name.empty()) return root.index_of("scene", count, "scene").value_or(0);
+  const std::vector<std::string> names = read_scene_names(root);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  std::size_t index = count;
+  const auto [end, code] = std::from_chars(name.data(), name.data() + name.size(), index);
+  if (code == std::errc() && end == name.data() + name.size() && index < count) return index;
+  constexpr std::size_t kMostNames = 20;
+  std::string all;
+  for (std::size_t i = 0; i < std::min(count, kMostNames); ++i) {
+    all += fmt::format("{}{}{}", i == 0 ? "" : ", ", i, names[i].empty() ? "" : fmt::format(" '{}'", names[i]));
+  }
+  if (count > kMostNames) all += fmt::format(" and {} more", count - kMostNames);
+  throw root.error(fmt::format("there is no scene '{}'; the file has: {}", name, count == 0 ? "none" : all));
+}
+
+FileScene read_nodes(const JsonView& root, std::size_t scene_index, Warnings& warnings,
                      const std::function<void(std::vector<FileNode>&)>& pose) {
   FileScene scene;
   const auto lights = root.extension("KHR_lights_punctual");
   const auto profiles = root.extension("EXT_lights_ies");
-  const Counts counts{count_of(root, "meshes"), count_of(root, "skins"), count_of(root, "cameras"),
-                      lights ? count_of(*lights, "lights") : 0, profiles ? count_of(*profiles, "lights") : 0};
+  const auto areas = root.extension("EXT_lights_area");
+  const Counts counts{count_of(root, "meshes"),
+                      count_of(root, "skins"),
+                      count_of(root, "cameras"),
+                      lights ? count_of(*lights, "lights") : 0,
+                      profiles ? count_of(*profiles, "lights") : 0,
+                      areas ? count_of(*areas, "lights") : 0};
   if (const auto nodes_json = root.find("nodes")) {
     const std::size_t count = nodes_json->size();
     for (std::size_t i = 0; i < count; ++i) scene.nodes.push_back(read_node((*nodes_json)[i], counts, warnings));
@@ -211,7 +244,7 @@ FileScene read_nodes(const JsonView& root, Warnings& warnings,
     }
     compute_world(*nodes_json, scene.nodes);
   }
-  mark_scene(scene_roots(root, scene), is_visibility_animated(root), scene.nodes);
+  mark_scene(scene_roots(root, scene_index, scene), is_visibility_animated(root), scene.nodes);
   return scene;
 }
 

@@ -34,7 +34,8 @@ struct FileNode {
   std::optional<std::size_t> camera;
   std::optional<std::size_t> light;
   std::optional<IesUse> ies;
-  bool is_visible = true;  ///< KHR_node_visibility, as the moment has it; false hides all below, too
+  std::optional<std::size_t> area_light;  ///< of EXT_lights_area
+  bool is_visible = true;                 ///< KHR_node_visibility, as the moment has it; false hides all below, too
   bool in_scene = false;
   bool is_shown = false;  ///< in the scene, and neither hidden nor below what is
   /// Whether what it holds is part of the scene: shown, or in a file whose animations may show it at another moment.
@@ -46,9 +47,17 @@ struct FileScene {
   std::vector<FileNode> nodes;  ///< all of the file, in its order
 };
 
-/// Reads the node hierarchy, checks that it is a forest, and marks what the scene reaches and shows. `pose` may move,
-/// hide and show nodes before anything is derived from where they are.
-FileScene read_nodes(const JsonView& root, Warnings& warnings,
+/// Names of the file's scenes, empty where one has none.
+std::vector<std::string> read_scene_names(const JsonView& root);
+
+/// The index of the scene of that name, else of that number; of an empty name the file's default scene, else 0. Throws
+/// Error where there is none such.
+std::size_t find_scene(const JsonView& root, const std::string& name);
+
+/// Reads the node hierarchy, checks that it is a forest, and marks what the scene (find_scene) reaches and shows, of a
+/// file without scenes all that it has. `pose` may move, hide and show nodes before anything is derived from where they
+/// are.
+FileScene read_nodes(const JsonView& root, std::size_t scene, Warnings& warnings,
                      const std::function<void(std::vector<FileNode>&)>& pose = {});
 
 /// Weights of morph targets as a node or a mesh has them at rest; empty where it says none.

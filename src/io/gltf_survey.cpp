@@ -97,7 +97,7 @@ class Surveyor {
   FileSurvey survey(const SurveyOptions& options);
 
  private:
-  void find_meshes();
+  void find_meshes(const std::string& scene);
   void find_materials();
   void survey_images(bool decode, FileSurvey& result) const;
   FileSurvey::Image survey_image(const ImageSource& source, bool decode, std::atomic<std::uint64_t>& texels) const;
@@ -124,8 +124,8 @@ const std::vector<vec3>& Surveyor::positions(const JsonView& reference) {
   return found->second;
 }
 
-void Surveyor::find_meshes() {
-  for (const FileNode& node : read_nodes(root_, warnings_).nodes) {
+void Surveyor::find_meshes(const std::string& scene) {
+  for (const FileNode& node : read_nodes(root_, find_scene(root_, scene), warnings_).nodes) {
     if (node.is_used && node.mesh) meshes_.insert(*node.mesh);
   }
 }
@@ -234,8 +234,8 @@ FileSurvey::Primitive Surveyor::survey_primitive(const JsonView& json) {
   result.has_tangents = attributes.find("TANGENT") && attributes.find("NORMAL");
   std::set<int> missing;
   for (const TextureSlot* slot : texture_slots(materials_.materials[static_cast<std::size_t>(result.material)])) {
-    const char* name = slot->uv_set == 0 ? "TEXCOORD_0" : "TEXCOORD_1";
-    if (*slot && !attributes.find(name)) missing.insert(slot->uv_set);
+    if (*slot && !attributes.find(uv_set_name(static_cast<std::size_t>(slot->uv_set)).c_str()))
+      missing.insert(slot->uv_set);
   }
   result.missing_uv_sets.assign(missing.begin(), missing.end());
   return result;
@@ -243,7 +243,7 @@ FileSurvey::Primitive Surveyor::survey_primitive(const JsonView& json) {
 
 FileSurvey Surveyor::survey(const SurveyOptions& options) {
   FileSurvey result;
-  find_meshes();
+  find_meshes(options.scene);
   find_materials();
   survey_images(options.decode_images, result);
   if (!options.read_geometry) return result;

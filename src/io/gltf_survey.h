@@ -12,9 +12,10 @@ struct SurveyOptions {
   bool read_geometry = true;        ///< false: FileSurvey::primitives stays empty
   bool decode_images = false;       ///< false: an image whose header is whole passes for readable
   std::filesystem::path root = {};  ///< as LoadOptions::root
+  std::string scene = {};           ///< as LoadOptions::scene
 };
 
-/// Looks through what the default scene of a .gltf or .glb uses, and remembers oddities where load_gltf puts them right
+/// Looks through what the scene of a .gltf or .glb uses, and remembers oddities where load_gltf puts them right
 /// or stops. An image that cannot be read is no Error here; whatever else is wrong throws Error as in load_gltf.
 FileSurvey survey_gltf(const std::filesystem::path& path, const SurveyOptions& options);
 

@@ -8,7 +8,10 @@ Camera::Camera(const View& view, int width, int height)
     : axes_{vec3(view.world_from_camera[0]), vec3(view.world_from_camera[1]), vec3(view.world_from_camera[2])},
       eye_(view.world_from_camera[3]),
       lens_(view.lens),
-      film_size_(width, height) {
+      film_size_(width, height),
+      near_(view.near_plane),
+      far_(view.far_plane),
+      is_clipped_(view.is_clipped()) {
   const float aspect = film_size_.x / film_size_.y;
   if (const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection)) {
     const float half = std::tan(0.5f * perspective->yfov);
@@ -21,11 +24,13 @@ Camera::Camera(const View& view, int width, int height)
 }
 
 Box3 Camera::origins() const {
-  const vec2 half = (is_orthographic_ ? half_extent_ : vec2(0.0f)) + lens_.radius;
+  // On the near plane a lens spreads by as much again at most.
+  const vec2 half = half_extent_ * (is_orthographic_ ? 1.0f : near_) +
+                    lens_.radius * (1.0f + (has_lens() ? near_ / lens_.focus_distance : 0.0f));
   Box3 box;
   for (int corner = 0; corner < 4; ++corner) {
     const vec2 sign((corner & 1) != 0 ? 1.0f : -1.0f, (corner & 2) != 0 ? 1.0f : -1.0f);
-    box.extend(eye_ + axes_.to_world(vec3(sign * half, 0.0f)));
+    box.extend(eye_ + axes_.to_world(vec3(sign * half, -near_)));
   }
   return box;
 }
@@ -51,6 +56,12 @@ Camera::Sample Camera::generate(vec2 film, vec2 u) const {
   }
   sample.ray.origin = eye_ + axes_.to_world(origin);
   sample.ray.direction = glm::normalize(axes_.to_world(direction));
+  if (is_clipped_) {
+    const float along = glm::length(axes_.to_world(direction)) / -direction.z;
+    sample.start = near_ * along;
+    sample.ray.origin += sample.ray.direction * sample.start;
+    sample.ray.t_max = (far_ - near_) * along;
+  }
   return sample;
 }
 

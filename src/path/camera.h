@@ -17,7 +17,8 @@ class Camera {
   Box3 origins() const;
 
   struct Sample {
-    Ray ray;
+    Ray ray;              ///< from the near plane to the far one
+    float start = 0.0f;   ///< how far its origin is from the lens, along it
     float weight = 1.0f;  ///< vignetting
   };
   /// `film` in pixels from the top left corner, `u` in [0,1)² on the aperture.
@@ -30,6 +31,8 @@ class Camera {
   vec2 film_size_;
   vec2 half_extent_;  ///< of the film at distance 1, or in metres when orthographic
   bool is_orthographic_ = false;
+  float near_, far_;  ///< planes, in units of axes_
+  bool is_clipped_;
 };
 
 }  // namespace candela::path

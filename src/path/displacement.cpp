@@ -59,8 +59,8 @@ class Relief {
     const auto normals = corners(primitive_.normals, t);
     const auto tangents = corners(primitive_.tangents, t);
     const auto colors = corners(primitive_.colors, t);
-    const std::array uvs = {corners(primitive_.uvs[0], t), corners(primitive_.uvs[1], t)};
-    const Corners<vec2>& relief_uvs = uvs[static_cast<std::size_t>(material_.height_texture.uv_set)];
+    const Corners<vec2> relief_uvs =
+        corners(primitive_.uvs[static_cast<std::size_t>(material_.height_texture.uv_set)], t);
     const auto first = static_cast<std::uint32_t>(result_.positions.size());
     const float step = 1.0f / static_cast<float>(n_);
     for (int j = 0; j <= n_; ++j) {
@@ -73,8 +73,8 @@ class Relief {
         result_.normals.push_back(material_.normal_texture ? n : tilted(n, positions, relief_uvs, u, v, step));
         if (!primitive_.tangents.empty()) result_.tangents.push_back(tangents.at(u, v));
         if (!primitive_.colors.empty()) result_.colors.push_back(colors.at(u, v));
-        for (std::size_t set = 0; set < uvs.size(); ++set) {
-          if (!primitive_.uvs[set].empty()) result_.uvs[set].push_back(uvs[set].at(u, v));
+        for (const auto& [set, uvs] : primitive_.uvs) {
+          if (!uvs.empty()) result_.uvs[set].push_back(corners(uvs, t).at(u, v));
         }
       }
     }

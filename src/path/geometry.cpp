@@ -161,6 +161,9 @@ std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& m
   mesh->triangles = primitive.triangles;
   mesh->tangents = material.needs_tangents ? primitive.tangents : std::vector<vec4>{};
   mesh->uv1 = primitive.uvs[1];
+  for (const auto& [set, uvs] : primitive.uvs) {
+    if (set > 1 && !uvs.empty()) mesh->more_uvs.emplace_back(static_cast<int>(set), uvs);
+  }
   mesh->colors = primitive.colors;
   mesh->vertices.resize(primitive.positions.size());
   for (std::size_t i = 0; i < mesh->vertices.size(); ++i) {
@@ -260,6 +263,8 @@ MaterialData::MaterialData(const Scene& scene, const Material& material, const s
       transmission(scene, material.transmission_texture, Encoding::data),
       diffuse_transmission(scene, material.diffuse_transmission_texture, Encoding::data),
       diffuse_transmission_color(scene, material.diffuse_transmission_color_texture, Encoding::srgb),
+      scatter_strength(scene, material.scatter_strength_texture, Encoding::data),
+      multiscatter_color(scene, material.multiscatter_color_texture, Encoding::srgb),
       height(scene, material.height_texture, Encoding::data),
       medium(make_medium(material)) {
   needs_opacity = material.alpha_mode != AlphaMode::opaque;
@@ -279,7 +284,13 @@ MaterialData::MaterialData(const Scene& scene, const Material& material, const s
 }
 
 vec2 MeshData::uv(const uvec3& t, vec3 b, int set) const {
-  if (set == 1 && !uv1.empty()) return uv1[t.x] * b.x + uv1[t.y] * b.y + uv1[t.z] * b.z;
+  const auto mean = [&](const std::vector<vec2>& uvs) { return uvs[t.x] * b.x + uvs[t.y] * b.y + uvs[t.z] * b.z; };
+  if (set == 1 && !uv1.empty()) return mean(uv1);
+  if (set > 1) {
+    for (const auto& [number, uvs] : more_uvs) {
+      if (number == set) return mean(uvs);
+    }
+  }
   return vertices[t.x].uv0 * b.x + vertices[t.y].uv0 * b.y + vertices[t.z].uv0 * b.z;
 }
 

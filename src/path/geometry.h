@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "path/medium.h"
@@ -19,7 +20,7 @@ struct MaterialData {
   TextureReader base_color, metallic_roughness, normal, emissive, specular, specular_color, specular_glossiness;
   TextureReader clearcoat, clearcoat_roughness, clearcoat_normal, sheen_color, sheen_roughness, anisotropy;
   TextureReader iridescence, iridescence_thickness, transmission, diffuse_transmission, diffuse_transmission_color;
-  TextureReader height;
+  TextureReader scatter_strength, multiscatter_color, height;
   Medium medium;
   bool needs_opacity = false;   ///< mask or blend that can let light through
   bool is_clear_sheet = false;  ///< may let shadow rays straight through
@@ -29,6 +30,8 @@ struct MaterialData {
   bool has_one_footprint = false;  ///< all textures of the base have texels at the same places
 
   MaterialData(const Scene& scene, const Material& material, const shade::ShadingModel& model);
+
+  bool has_scatter_texture() const { return bool(scatter_strength) || bool(multiscatter_color); }
 };
 
 /// What a bounce reads of a vertex, packed so that it costs one cache line.
@@ -44,10 +47,12 @@ struct MeshData {
   std::vector<uvec3> triangles;
   std::vector<vec4> tangents;
   std::vector<vec2> uv1;
+  std::vector<std::pair<int, std::vector<vec2>>> more_uvs;  ///< further sets, by number
   std::vector<vec4> colors;
   const MaterialData* material = nullptr;
   bool is_mirrored = false;  ///< in world space, by a node of negative determinant: the winding is reversed
 
+  /// Without such a set the first serves.
   vec2 uv(const uvec3& t, vec3 b, int set) const;
   vec4 color(const uvec3& t, vec3 b) const;
   /// Base colour alpha after the alpha mode: 0 or 1 for masks. `t` a triangle, `b` barycentric weights.

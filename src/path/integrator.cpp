@@ -123,6 +123,15 @@ bool step(const PathContext& context, Place& place, Ray& ray, Hit& hit, vec3 dir
   return is_here;
 }
 
+/// What the eye looks along ends at its far plane; light has no end.
+Ray next_ray(const Ray& last, vec3 origin, vec3 direction, bool is_eye) {
+  Ray ray;
+  ray.origin = origin;
+  ray.direction = direction;
+  if (is_eye && last.t_max < kInfinity) ray.t_max = last.t_max - glm::dot(origin - last.origin, direction);
+  return ray;
+}
+
 /// Albedo and normal of what layers call the first surface.
 void find_first_surface(const PathContext& context, const Ray& ray, PathSample& sample) {
   const Hit hit = context.geometry.first_surface(ray);
@@ -252,9 +261,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
 
     // ----- on to what else is at this place, or along a ray
     if (!place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye)) continue;
-    ray = {};
-    ray.origin = point.ray_origin(direction);
-    ray.direction = direction;
+    ray = next_ray(ray, point.ray_origin(direction), direction, is_eye);
     ++counts.bounce;
     sky = context.lights.environment().locate(direction);
     hit = context.geometry.intersect(ray, sampler.next_hash());
@@ -336,9 +343,7 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
     }
 
     if (!place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye)) continue;
-    ray = {};
-    ray.origin = point.ray_origin(direction);
-    ray.direction = direction;
+    ray = next_ray(ray, point.ray_origin(direction), direction, is_eye);
     ++counts.bounce;
     hit = context.geometry.intersect(ray, sampler.next_hash());
     if (is_eye) hit = first_visible_hit(context, ray, hit, counts);

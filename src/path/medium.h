@@ -34,6 +34,8 @@ class MediumStack {
  public:
   /// nullptr = air.
   const Medium* current() const { return count_ > 0 ? entries_[count_ - 1].medium : nullptr; }
+  /// Of single scattering in current().
+  vec3 albedo() const { return entries_[count_ - 1].albedo; }
   /// What lies below `body`, were it left.
   const Medium* below_top() const { return count_ > 1 ? entries_[count_ - 2].medium : nullptr; }
   bool holds(int body) const { return find(body) >= 0; }
@@ -49,8 +51,10 @@ class MediumStack {
     }
     return 0;
   }
-  void enter(int body, const Medium* medium) {
-    if (count_ < kMost) entries_[count_++] = {body, medium};
+  void enter(int body, const Medium* medium) { enter(body, medium, medium->albedo); }
+  /// Where the place of entry says how the medium scatters.
+  void enter(int body, const Medium* medium, vec3 albedo) {
+    if (count_ < kMost) entries_[count_++] = {body, medium, albedo};
   }
   void leave(int body) {
     const int i = find(body);
@@ -64,6 +68,7 @@ class MediumStack {
   struct Entry {
     int body;
     const Medium* medium;
+    vec3 albedo;
   };
   int find(int body) const {
     for (std::size_t i = count_; i > 0; --i) {

@@ -318,10 +318,11 @@ void Job::trace_centre_layers(Film& film) const {
   parallel_for(0, static_cast<std::size_t>(settings_.height), 4, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       for (int x = 0; x < settings_.width; ++x) {
-        const Ray ray = pinhole_.generate(vec2(x, y) + 0.5f, vec2(0.5f)).ray;
+        const Camera::Sample camera = pinhole_.generate(vec2(x, y) + 0.5f, vec2(0.5f));
+        const Ray& ray = camera.ray;
         const Hit hit = geometry_.first_surface(ray);
         const vec3 p = hit ? ray.origin + ray.direction * hit.t : vec3(0.0f);
-        if (depth) film.layers[Layer::depth].at(x, y)[0] = hit ? glm::length(p - ray.origin) : kInfinity;
+        if (depth) film.layers[Layer::depth].at(x, y)[0] = hit ? camera.start + glm::length(p - ray.origin) : kInfinity;
         if (position) film.layers[Layer::position].set_rgb(x, y, p);
         if (id) {
           film.layers[Layer::object_id].at(x, y)[0] =

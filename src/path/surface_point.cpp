@@ -53,7 +53,7 @@ struct MaterialFootprints {
         texture.prefetch(footprint);
         return;
       }
-      footprint = texture.locate(texture.uv_set() == 0 ? uv0 : mesh.uv(t, b, 1));
+      footprint = texture.locate(texture.uv_set() == 0 ? uv0 : mesh.uv(t, b, texture.uv_set()));
       if (m.has_one_footprint) shared = &footprint;
     };
     locate(m.base_color, base_color);
@@ -140,6 +140,8 @@ void fetch_layers(const MaterialData& material, const MeshData& mesh, const uvec
   if (material.diffuse_transmission_color) {
     params.diffuse_transmission_color *= vec3(read(material.diffuse_transmission_color));
   }
+  if (material.scatter_strength) params.scatter *= read(material.scatter_strength).w;
+  if (material.multiscatter_color) params.scatter_color *= vec3(read(material.multiscatter_color));
 }
 
 }  // namespace

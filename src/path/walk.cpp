@@ -35,6 +35,20 @@ float opacity_at(const Placement& placement, const Hit& hit) {
   return mesh.opacity(mesh.triangles[hit.triangle], {1.0f - hit.u - hit.v, hit.u, hit.v});
 }
 
+/// How a medium scatters for light that enters it here.
+vec3 albedo_at(const Placement& placement, const Hit& hit) {
+  const MeshData& mesh = *placement.mesh;
+  const MaterialData& material = *mesh.material;
+  if (!material.medium.scatters || !material.has_scatter_texture()) return material.medium.albedo;
+  const uvec3& t = mesh.triangles[hit.triangle];
+  const vec3 b(1.0f - hit.u - hit.v, hit.u, hit.v);
+  const auto read = [&](const TextureReader& texture) { return texture.sample(mesh.uv(t, b, texture.uv_set())); };
+  vec3 color = material.factors.multiscatter_color;
+  if (material.scatter_strength) color *= read(material.scatter_strength).w;
+  if (material.multiscatter_color) color *= vec3(read(material.multiscatter_color));
+  return single_scatter_albedo(color, material.medium.anisotropy);
+}
+
 /// Whether a blended boundary that a path leaves a body by is there; the traversal did not ask (geometry.cpp).
 bool is_there(const Placement& placement, const Hit& hit) {
   if (!placement.mesh->material->needs_opacity) return true;
@@ -72,6 +86,7 @@ Crossing Walk::find_crossing(const PathContext& context, const Hit& hit, vec3 di
   crossing.body = placement.body;
   crossing.inside = &material.medium;
   crossing.is_entering = !is_back_hit(context.geometry, hit, direction);
+  if (crossing.is_entering) crossing.albedo = albedo_at(placement, hit);
   bool is_within = false;
   if (!crossing.is_entering) {
     is_within = media_.holds(crossing.body);
@@ -101,7 +116,7 @@ Crossing Walk::find_crossing(const PathContext& context, const Hit& hit, vec3 di
 void Walk::cross(const Crossing& crossing) {
   if (crossing.body == 0) return;
   if (crossing.is_entering) {
-    media_.enter(crossing.body, crossing.inside);
+    media_.enter(crossing.body, crossing.inside, crossing.albedo);
   } else {
     media_.leave(crossing.body);
   }
@@ -127,6 +142,7 @@ bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& 
   scattered = false;
   const Medium* medium = media_.current();
   if (medium == nullptr || !medium->absorbs) return true;
+  const vec3 albedo = media_.albedo();
   const auto next = [&sampler] { return unit_float(sampler.next_hash()); };
   for (int n = 0; n < kMostScatterings; ++n) {
     const float surface = hit ? hit.t : kInfinity;
@@ -138,7 +154,7 @@ bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& 
     // ----- free flight, as one of the channels; each weighs by the mean density of the three (Chiang, Kutz & Burley
     // 2016, "Practical and Controllable Subsurface Scattering for Production Path Tracing", §5)
     vec3 chances;
-    const int channel = choose_channel(throughput * medium->albedo, next(), chances);
+    const int channel = choose_channel(throughput * albedo, next(), chances);
     const float sigma = medium->extinction[channel];
     const float flight = sigma > 0.0f ? -std::log1p(-next()) / sigma : kInfinity;
     if (flight >= surface) {
@@ -149,7 +165,7 @@ bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& 
     }
     const vec3 left = medium->extinction * medium->transmittance(flight);
     const float density = glm::dot(chances, left);
-    throughput *= density > 0.0f ? medium->albedo * left / density : vec3(0.0f);
+    throughput *= density > 0.0f ? albedo * left / density : vec3(0.0f);
     if (n >= kScatteringsBeforeLoss) {
       const float survival = std::min(max_component(throughput) * eta_scale, 0.99f);
       if (next() >= survival) return false;

@@ -13,7 +13,8 @@ struct Crossing {
   bool is_entering = false;
   /// Nothing happens to light: another body covers this one here, or there is a hole in a blended surface.
   bool is_hidden = false;
-  float eta = 1.0f;  ///< index beyond over index before
+  float eta = 1.0f;   ///< index beyond over index before
+  vec3 albedo{0.0f};  ///< of scattering inside, where a body is entered
 };
 
 /// What a path carries through the scene beside its radiance: where it is, and as what colour.

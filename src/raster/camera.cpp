@@ -14,12 +14,16 @@ constexpr float kFarthest = 1.0f - 4.0f * 0x1p-24f;  // in clip space
 
 /// Columns of an off-axis projection; left, right, bottom, top at distance `near`. Infinitely far is a little before
 /// depth 1, where the background is.
-mat4 perspective_projection(vec2 low, vec2 high, float near) {
+mat4 perspective_projection(vec2 low, vec2 high, float near, float far) {
   mat4 m(0.0f);
   m[0][0] = 2.0f * near / (high.x - low.x);
   m[1][1] = 2.0f * near / (high.y - low.y);
   m[2] = {(high.x + low.x) / (high.x - low.x), (high.y + low.y) / (high.y - low.y), -kFarthest, -1.0f};
   m[3][2] = -(1.0f + kFarthest) * near;
+  if (far < kInfinity) {
+    m[2][2] = -(far + near) / (far - near);
+    m[3][2] = -2.0f * far * near / (far - near);
+  }
   return m;
 }
 
@@ -58,7 +62,7 @@ FrameCamera frame_camera(const View& view, int width, int height, DepthRange ran
     const vec2 middle = -lens / (view.lens.radius > 0.0f ? view.lens.focus_distance : 1.0f);
     const vec2 low = (middle - extent - shift * extent) * range.near;
     const vec2 high = (middle + extent - shift * extent) * range.near;
-    camera.clip_from_camera = perspective_projection(low, high, range.near);
+    camera.clip_from_camera = perspective_projection(low, high, range.near, range.is_cut ? range.far : kInfinity);
   } else {
     const auto& orthographic = std::get<OrthographicCamera>(view.projection);
     const vec2 extent(orthographic.xmag, orthographic.ymag);

@@ -9,9 +9,11 @@ namespace candela::raster {
 struct DepthRange {
   float near = 1.0f;
   float far = 2.0f;
+  bool is_cut = false;  ///< nothing beyond `far` is seen, though it may be there
 };
 
-/// The view of one frame: a View as a rasterizer takes it. The far plane of a perspective one is infinitely far.
+/// The view of one frame: a View as a rasterizer takes it. The far plane of a perspective one is infinitely far unless
+/// the view has one.
 struct FrameCamera {
   mat4 clip_from_world{1.0f};
   mat4 clip_from_camera{1.0f};
@@ -31,7 +33,7 @@ FrameCamera frame_camera(const View& view, int width, int height, DepthRange ran
 
 /// Clip space of a camera that looks along -z. `low` and `high` are the window's corners: at distance `near`, or at any
 /// of an orthographic one.
-mat4 perspective_projection(vec2 low, vec2 high, float near);
+mat4 perspective_projection(vec2 low, vec2 high, float near, float far = kInfinity);
 mat4 orthographic_projection(vec2 low, vec2 high, float near, float far);
 
 /// Whether a box lies wholly outside one plane of what a camera sees.

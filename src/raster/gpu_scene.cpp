@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
+#include <span>
+#include <utility>
 
 #include "base/error.h"
 #include "raster/mips.h"
@@ -49,7 +52,40 @@ bool is_scattering(const Material& m) {
          max_component(m.multiscatter_color) > 0.0f && max_component(volume_extinction(m)) > 0.0f;
 }
 
-MaterialBlock make_block(const Material& m) {
+// Of sixteen vertex attributes nine are taken; each of the rest holds two sets.
+constexpr std::size_t kMostMoreSets = 14;
+
+/// The uv sets that a material reads besides 0 and 1, ascending.
+std::vector<int> more_sets_of(const Material& m) {
+  std::set<int> sets;
+  for (const TextureSlot* slot : texture_slots(m)) {
+    if (*slot && slot->uv_set > 1) sets.insert(slot->uv_set);
+  }
+  return {sets.begin(), sets.end()};
+}
+
+/// Where the shader finds a set: 0, 1, then those of `more`.
+int place_of(int set, std::span<const int> more) {
+  return set < 2 ? set : 2 + static_cast<int>(std::lower_bound(more.begin(), more.end(), set) - more.begin());
+}
+
+/// Pairs of further sets, vertex by vertex.
+std::vector<vec4> interleave_more(const Primitive& p, std::span<const int> sets) {
+  const std::size_t pairs = (sets.size() + 1) / 2;
+  std::vector<vec4> result(p.positions.size() * pairs, vec4(0.0f));
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    const std::vector<vec2>& own = std::as_const(p).uvs[static_cast<std::size_t>(sets[k])];
+    const std::vector<vec2>& uvs = own.empty() ? std::as_const(p).uvs[0] : own;
+    const int half = 2 * static_cast<int>(k % 2);
+    for (std::size_t i = 0; i < uvs.size(); ++i) {
+      vec4& v = result[i * pairs + k / 2];
+      v[half] = uvs[i].x, v[half + 1] = uvs[i].y;
+    }
+  }
+  return result;
+}
+
+MaterialBlock make_block(const Material& m, std::span<const int> more_sets) {
   MaterialBlock b;
   b.base_color = vec4(m.base_color, m.opacity);
   b.emission = vec4(m.emission, drawn_cutoff(m.alpha_cutoff));
@@ -61,7 +97,7 @@ MaterialBlock make_block(const Material& m) {
   b.film = {m.iridescence, m.iridescence_ior, m.iridescence_thickness_min_nm, m.iridescence_thickness_max_nm};
   b.transmission = {m.transmission, m.thickness, m.has_volume() ? 0.0f : 1.0f, m.diffuse_transmission};
   b.extinction = vec4(volume_extinction(m), 0.0f);
-  b.below_color = vec4(m.diffuse_transmission_color, 0.0f);
+  b.below_color = vec4(m.diffuse_transmission_color, m.scatters_as_sheet() ? m.sheet_scatter : 0.0f);
   b.conductor_n = vec4(m.conductor_n, 0.0f);
   b.conductor_k = vec4(m.conductor_k, 0.0f);
   b.relief = {m.height_scale, m.height_level, 0.0f, 0.0f};
@@ -73,13 +109,13 @@ MaterialBlock make_block(const Material& m) {
       const float a = m.multiscatter_color[c];
       b.scatter[c] = 1.0f / (std::max(extinction[c], 1e-6f) * (1.85f - a + 7.0f * std::pow(std::abs(a - 0.8f), 3.0f)));
     }
-    b.scatter_color = vec4(m.multiscatter_color, 0.0f);
   }
+  b.scatter_color = vec4(m.multiscatter_color, 0.5f * (1.0f + m.scatter_anisotropy));
   const auto slots = texture_slots(m);
   for (std::size_t i = 0; i < kSlots; ++i) {
     const auto& t = slots[i]->transform;
     b.uv_transform[2 * i] = vec4(t[0], t[1]);
-    b.uv_transform[2 * i + 1] = vec4(t[2], slots[i]->uv_set, 0.0f);
+    b.uv_transform[2 * i + 1] = vec4(t[2], place_of(slots[i]->uv_set, more_sets), 0.0f);
   }
   return b;
 }
@@ -159,6 +195,17 @@ int upload_words(const TextureImage& image, bool is_srgb) {
   return times;
 }
 
+/// Drops the highest sets where a vertex has no room for them.
+void limit_sets(GpuMaterial& gpu, Diagnostics& diagnostics) {
+  if (gpu.more_sets.size() > kMostMoreSets) {
+    diagnostics.warn(gpu.name + " reads more sets of texture coordinates than a vertex holds; textures of TEXCOORD_" +
+                         std::to_string(gpu.more_sets[kMostMoreSets]) + " and beyond are left out",
+                     gpu.name);
+    gpu.more_sets.resize(kMostMoreSets);
+  }
+  gpu.key.more_uvs = static_cast<int>((gpu.more_sets.size() + 1) / 2);
+}
+
 MaterialKey make_key(const Material& m, const shade::ShadingModel& model) {
   MaterialKey key;
   key.lobes = surface_params(m, model).lobes;
@@ -228,6 +275,16 @@ GpuPrimitive GpuScene::upload(const Primitive& p) const {
   attribute(2, 4, offsetof(Vertex, tangent), sizeof(Vertex));
   attribute(3, 4, offsetof(Vertex, uv), sizeof(Vertex));
   attribute(4, 4, offsetof(Vertex, color), sizeof(Vertex));
+  const std::vector<int>& more_sets = materials_[static_cast<std::size_t>(p.material)].more_sets;
+  if (!more_sets.empty()) {
+    const std::vector<vec4> more = interleave_more(p, more_sets);
+    const std::size_t pairs = (more_sets.size() + 1) / 2;
+    glBindBuffer(GL_ARRAY_BUFFER, gpu.more_uvs);
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(more.size() * sizeof(vec4)), more.data(), GL_STATIC_DRAW);
+    for (std::size_t k = 0; k < pairs; ++k) {
+      attribute(static_cast<GLuint>(9 + k), 4, k * sizeof(vec4), static_cast<GLsizei>(pairs * sizeof(vec4)));
+    }
+  }
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.indices);
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(p.triangles.size() * sizeof(uvec3)), p.triangles.data(),
                GL_STATIC_DRAW);
@@ -328,12 +385,15 @@ void GpuScene::set_materials(const Scene& scene, Diagnostics& diagnostics) {
     gpu.is_double_sided = m.double_sided;
     if (m.alpha_mode != AlphaMode::opaque) gpu.alpha = alpha_of(scene, m);
     gpu.block = static_cast<GLintptr>(stride * k);
-    const MaterialBlock block = make_block(m);
+    gpu.more_sets = more_sets_of(m);
+    limit_sets(gpu, diagnostics);
+    const MaterialBlock block = make_block(m, gpu.more_sets);
     std::memcpy(blocks.data() + gpu.block, &block, sizeof block);
     gpu.key.channels = packed[k].channels;
     for (std::size_t i = 0; i < kSlots; ++i) {
       const TextureSource& source = packed[k].slots[i];
-      if (source.image < 0) continue;
+      const int set = texture_slots(m)[i]->uv_set;
+      if (source.image < 0 || (set > 1 && !std::ranges::binary_search(gpu.more_sets, set))) continue;
       gpu.key.slots |= 1u << i;
       gpu.textures[i] = texture_for(scene, source, diagnostics);
       gpu.samplers[i] = sampler_for(scene.textures[static_cast<std::size_t>(texture_slots(m)[i]->texture)]);

@@ -18,6 +18,7 @@ namespace candela::raster {
 /// One primitive in buffers of the driver.
 struct GpuPrimitive {
   gl::Buffer vertices, indices;
+  gl::Buffer more_uvs;  ///< beyond the first two sets; empty where the material reads none
   gl::VertexArray attributes;
   GLsizei index_count = 0;
   int material = 0;
@@ -28,6 +29,7 @@ struct GpuPrimitive {
 
 struct GpuMaterial {
   std::string name;
+  std::vector<int> more_sets;  ///< numbers of the uv sets that it reads besides 0 and 1, ascending
   MaterialKey key;
   GLintptr block = 0;                     ///< its place in the buffer of all materials
   std::array<GLuint, kSlots> textures{};  ///< 0 where the slot is empty

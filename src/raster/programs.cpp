@@ -38,6 +38,8 @@ constexpr std::array<const char*, kSlots> kSlotNames = {"base_color",
                                                         "thickness",
                                                         "diffuse_transmission",
                                                         "diffuse_transmission_color",
+                                                        "scatter_strength",
+                                                        "multiscatter_color",
                                                         "specular_glossiness",
                                                         "height"};
 
@@ -54,6 +56,7 @@ std::string define(const std::string& name, int value = 1) {
 /// The samplers of the slots in `mask`, and a macro for each that reads it.
 std::string slots_text(const MaterialKey& key, std::uint32_t mask) {
   std::string text = define("kSlots", static_cast<int>(kSlots));
+  if (key.more_uvs > 0) text += define("MORE_UVS", key.more_uvs);
   for (std::size_t i = 0; i < kSlots; ++i) {
     if ((mask >> i & 1u) == 0) continue;
     const std::string name = kSlotNames[i];
@@ -246,6 +249,7 @@ const gl::Program& Programs::depth(const MaterialKey& material, DepthPass pass, 
   if (key.alpha_mode != AlphaMode::opaque) {
     key.slots = material.slots & (1u << base_color_slot);
     key.is_plain_uv = material.is_plain_uv;
+    key.more_uvs = key.slots != 0 ? material.more_uvs : 0;
   }
   std::unique_ptr<gl::Program>& program = depth_[{key, pass, is_shadow}];
   if (program == nullptr) {

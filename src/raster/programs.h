@@ -27,6 +27,7 @@ struct MaterialKey {
   bool is_unlit = false;
   bool is_specular_glossiness = false;
   bool is_plain_uv = false;  ///< every slot reads the first set as it is
+  int more_uvs = 0;          ///< pairs of uv sets beyond the first two
   bool is_emissive = false;
   AlphaMode alpha_mode = AlphaMode::opaque;
 

@@ -344,7 +344,9 @@ void Renderer::begin(const View& view, LightPoint point) {
   Diagnostics& diagnostics = is_begun_ ? told_ : diagnostics_;
   is_begun_ = true;
   is_moved_light_ = point != LightPoint(0.5f);
-  body_ = camera.is_perspective ? body_around(*scene_, vec3(view.world_from_camera[3])) : -1;
+  // Of a view with a near plane the middle of what it shows of it.
+  const vec3 eye = transform_point(view.world_from_camera, vec3(0.0f, 0.0f, -view.near_plane));
+  body_ = camera.is_perspective ? body_around(*scene_, eye) : -1;
   const float radius = settings_.has_soft_shadows ? settings_.light_radius : 0.0f;
   lights_ = collect_lights(*scene_, environment_, gpu_, camera, settings_.has_soft_shadows ? point : LightPoint(0.5f),
                            radius, shadow_views(areas_), diagnostics);
@@ -644,8 +646,11 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
                 slice_.w);
   }
   if (pass.is_in_body) {
-    const vec3 extinction = volume_extinction(scene_->materials[static_cast<std::size_t>(body_)]);
+    const Material& body = scene_->materials[static_cast<std::size_t>(body_)];
+    const vec3 extinction = volume_extinction(body);
     glUniform3fv(program.uniform("body_extinction"), 1, &extinction.x);
+    const float index = std::max(body.ior, 1.0f);
+    glUniform1f(program.uniform("body_share"), 1.0f / (index * index));
   }
   if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.number + 1));
   gpu_.bind_material(material, program);

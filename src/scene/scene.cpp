@@ -61,14 +61,16 @@ void validate_primitive(const Scene& scene, const Primitive& p, const std::strin
   const std::size_t count = p.positions.size();
   require(p.normals.size() == count, "needs as many normals as positions", where);
   require(p.tangents.empty() || p.tangents.size() == count, "needs as many tangents as positions", where);
-  for (const auto& uvs : p.uvs) require(uvs.empty() || uvs.size() == count, "needs as many uvs as positions", where);
+  for (const auto& [set, uvs] : p.uvs) {
+    require(uvs.empty() || uvs.size() == count, "needs as many uvs as positions", where);
+    require(all_finite(uvs), "a vertex is not finite", where);
+  }
   require(p.colors.empty() || p.colors.size() == count, "needs as many colours as positions", where);
   require(in_range(p.material, scene.materials.size()), "the material does not exist", where);
   for (const uvec3& t : p.triangles) {
     require(t.x < count && t.y < count && t.z < count, "a triangle names a vertex that does not exist", where);
   }
-  require(all_finite(p.positions) && all_finite(p.normals) && all_finite(p.tangents) && all_finite(p.uvs[0]) &&
-              all_finite(p.uvs[1]) && all_finite(p.colors),
+  require(all_finite(p.positions) && all_finite(p.normals) && all_finite(p.tangents) && all_finite(p.colors),
           "a vertex is not finite", where);
 }
 
@@ -80,7 +82,7 @@ void validate_ranges(const Material& m, const std::string& where) {
                        in_unit(m.clearcoat_roughness) && in_unit(m.sheen_color) && in_unit(m.sheen_roughness) &&
                        in_unit(m.anisotropy) && in_unit(m.iridescence) && in_unit(m.transmission) &&
                        in_unit(m.diffuse_transmission) && in_unit(m.diffuse_transmission_color) &&
-                       in_unit(m.multiscatter_color) && in_unit(m.attenuation_color);
+                       in_unit(m.multiscatter_color) && in_unit(m.sheet_scatter) && in_unit(m.attenuation_color);
   require(weights, "a weight or a colour lies outside 0 to 1", where);
   require(m.ior == 0.0f || m.ior >= 1.0f, "the index of refraction is neither 0 nor at least 1", where);
   require(m.iridescence_ior >= 1.0f, "the film's index of refraction is below 1", where);
@@ -108,12 +110,12 @@ void validate_material(const Scene& scene, const Material& m, const std::string&
                              is_finite(m.attenuation_color) && is_finite(m.dispersion) &&
                              is_finite(m.diffuse_transmission) && is_finite(m.diffuse_transmission_color) &&
                              is_finite(m.multiscatter_color) && is_finite(m.scatter_anisotropy) &&
-                             is_finite(m.height_scale) && is_finite(m.height_level);
+                             is_finite(m.sheet_scatter) && is_finite(m.height_scale) && is_finite(m.height_level);
   require(numbers_finite && layers_finite && volume_finite, "a factor is not finite", where);
   validate_ranges(m, where);
   for (const TextureSlot* slot : texture_slots(m)) {
     require(none_or_in_range(slot->texture, scene.textures.size()), "the texture does not exist", where);
-    require(slot->uv_set == 0 || slot->uv_set == 1, "the uv set is neither 0 nor 1", where);
+    require(slot->uv_set >= 0, "the uv set is negative", where);
     for (const vec2 column : slot->transform) {
       require(is_finite(column.x) && is_finite(column.y), "a texture transform is not finite", where);
     }
@@ -139,6 +141,9 @@ void validate_images(const Scene& scene) {
 void validate_cameras_and_lights(const Scene& scene) {
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
     const std::string where = place("cameras", i);
+    const Camera& camera = scene.cameras[i];
+    require(camera.near_plane >= 0 && is_finite(camera.near_plane) && camera.far_plane > camera.near_plane,
+            "the planes must be 0 <= near < far", where);
     if (const auto* p = std::get_if<PerspectiveCamera>(&scene.cameras[i].projection)) {
       require(p->yfov > 0 && p->yfov < kPi, "the field of view must lie between 0 and pi", where);
       require(!p->aspect_ratio || (*p->aspect_ratio > 0 && is_finite(*p->aspect_ratio)),
@@ -189,7 +194,7 @@ std::vector<std::string_view> material_lobes(const Material& m) {
   if (m.transmission > 0.0f) lobes.emplace_back("transmission");
   if (m.diffuse_transmission > 0.0f) lobes.emplace_back("diffuse transmission");
   if (volume) lobes.emplace_back("volume");
-  if (volume && m.multiscatter_color != vec3(0.0f)) lobes.emplace_back("scattering");
+  if ((volume && m.multiscatter_color != vec3(0.0f)) || m.scatters_as_sheet()) lobes.emplace_back("scattering");
   if (volume && m.transmission > 0.0f && m.dispersion > 0.0f) lobes.emplace_back("dispersion");
   return lobes;
 }
@@ -221,10 +226,16 @@ void update_world_transforms(Scene& scene) {
   }
 }
 
+bool is_lamp(const Scene& scene, const Node& node) {
+  if (node.mesh < 0) return false;
+  const std::vector<Primitive>& primitives = scene.meshes[static_cast<std::size_t>(node.mesh)].primitives;
+  return !primitives.empty() && scene.materials[static_cast<std::size_t>(primitives[0].material)].is_lamp;
+}
+
 Box3 world_bounds(const Scene& scene) {
   std::size_t work = 0;
   for (const Node& node : scene.nodes) {
-    if (node.mesh < 0) continue;
+    if (node.mesh < 0 || is_lamp(scene, node)) continue;
     for (const Primitive& p : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives) work += p.positions.size();
   }
   std::vector<Box3> mesh_boxes;
@@ -233,7 +244,7 @@ Box3 world_bounds(const Scene& scene) {
   }
   Box3 box;
   for (const Node& node : scene.nodes) {
-    if (node.mesh < 0) continue;
+    if (node.mesh < 0 || is_lamp(scene, node)) continue;
     const auto index = static_cast<std::size_t>(node.mesh);
     if (!mesh_boxes.empty()) {
       const Box3& local = mesh_boxes[index];

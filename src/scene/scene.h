@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,7 +41,7 @@ struct Texture {
 /// (KHR_texture_transform).
 struct TextureSlot {
   int texture = -1;
-  int uv_set = 0;  ///< 0 or 1
+  int uv_set = 0;  ///< which of Primitive::uvs
   std::array<vec2, 3> transform{vec2(1, 0), vec2(0, 1), vec2(0, 0)};
 
   explicit operator bool() const { return texture >= 0; }
@@ -50,8 +51,9 @@ struct TextureSlot {
 
 enum class AlphaMode { opaque, mask, blend };
 
-/// glTF 2.0 metallic-roughness with every ratified KHR_materials_* extension and the draft volume_scatter. Factors are
-/// linear, in the range their extension gives; each is multiplied by its texture's channel named beside it.
+/// glTF 2.0 metallic-roughness with every ratified KHR_materials_* extension, the release candidate
+/// diffuse_transmission and the drafts volume_scatter and scatter. Factors are linear, in the range their extension
+/// gives; each is multiplied by its texture's channel named beside it.
 struct Material {
   std::string name;
   vec3 base_color{1.0f};
@@ -119,9 +121,12 @@ struct Material {
   TextureSlot diffuse_transmission_texture;        ///< A
   TextureSlot diffuse_transmission_color_texture;  ///< sRGB
 
-  // KHR_materials_volume_scatter (draft)
-  vec3 multiscatter_color{0.0f};
-  float scatter_anisotropy = 0.0f;  ///< g of Henyey and Greenstein, in (-1, 1)
+  // KHR_materials_volume_scatter, KHR_materials_scatter (drafts)
+  vec3 multiscatter_color{0.0f};         ///< of a body times the strength of its scattering
+  float scatter_anisotropy = 0.0f;       ///< g of Henyey and Greenstein, in (-1, 1); a sheet sends (1 + g) / 2 forwards
+  float sheet_scatter = 0.0f;            ///< which share of what a sheet transmits is scattered
+  TextureSlot scatter_strength_texture;  ///< A; multiplies the share, and the strength in a body where it is entered
+  TextureSlot multiscatter_color_texture;  ///< sRGB, of a body where it is entered
 
   // KHR_materials_pbrSpecularGlossiness: base_color is its diffuse colour, specular_color its F0, roughness = 1 -
   // glossiness; ior is 0 (F90 = 1) and metallic 0. `base_color` and `roughness` are then read as that workflow says.
@@ -141,9 +146,14 @@ struct Material {
   int file_index = -1;  ///< glTF's default material has the number after the file's last
 
   bool operator==(const Material&) const = default;
+  /// What stands for a lamp of EXT_lights_area: black, glowing, and no material of the file.
+  bool is_lamp = false;
+
   bool is_conductor() const { return max_component(conductor_k) > 0.0f; }
   /// Whether light that enters goes through a body (KHR_materials_volume) rather than a sheet.
   bool has_volume() const { return thickness > 0.0f; }
+  /// KHR_materials_scatter of a thin wall.
+  bool scatters_as_sheet() const { return sheet_scatter > 0.0f && transmission > 0.0f && !has_volume(); }
 };
 
 /// What light meets on it, in the words of the extensions: "metallic-roughness", "clearcoat"…; never empty.
@@ -171,6 +181,8 @@ auto texture_slots(M& m) {
                     &m.thickness_texture,
                     &m.diffuse_transmission_texture,
                     &m.diffuse_transmission_color_texture,
+                    &m.scatter_strength_texture,
+                    &m.multiscatter_color_texture,
                     &m.specular_glossiness_texture,
                     &m.height_texture};
 }
@@ -196,6 +208,8 @@ inline constexpr auto kTextureSlotNames = std::to_array<std::string_view>({
     "thicknessTexture",
     "diffuseTransmissionTexture",
     "diffuseTransmissionColorTexture",
+    "scatterStrengthTexture",
+    "multiscatterColorTexture",
     "specularGlossinessTexture",
     "heightTexture",
 });
@@ -205,11 +219,30 @@ static_assert(kTextureSlotNames.size() == std::tuple_size_v<decltype(texture_slo
 constexpr bool is_srgb_slot(std::size_t slot) {
   for (const std::string_view name :
        {"baseColorTexture", "emissiveTexture", "specularColorTexture", "sheenColorTexture",
-        "diffuseTransmissionColorTexture", "specularGlossinessTexture"}) {
+        "diffuseTransmissionColorTexture", "multiscatterColorTexture", "specularGlossinessTexture"}) {
     if (kTextureSlotNames[slot] == name) return true;
   }
   return false;
 }
+
+/// Texture coordinates by the number of their set, TEXCOORD_n. A set that is not there reads as empty.
+class UvSets {
+ public:
+  const std::vector<vec2>& operator[](std::size_t set) const {
+    static const std::vector<vec2> kNone;
+    const auto found = sets_.find(set);
+    return found != sets_.end() ? found->second : kNone;
+  }
+  std::vector<vec2>& operator[](std::size_t set) { return sets_[set]; }
+  /// Pairs of number and coordinates, ascending.
+  auto begin() const { return sets_.begin(); }
+  auto end() const { return sets_.end(); }
+  auto begin() { return sets_.begin(); }
+  auto end() { return sets_.end(); }
+
+ private:
+  std::map<std::size_t, std::vector<vec2>> sets_;
+};
 
 /// Triangles with one material. All vertex arrays have the same length or, where optional, are empty.
 struct Primitive {
@@ -217,7 +250,7 @@ struct Primitive {
   std::vector<vec3> normals;  ///< never empty after loading: generated flat when the file has none
   std::vector<vec4>
       tangents;  ///< xyz and handedness; empty unless the material has anisotropy or a normal texture, also of the coat
-  std::array<std::vector<vec2>, 2> uvs;
+  UvSets uvs;
   std::vector<vec4> colors;  ///< linear RGBA, multiplies the base colour; may be empty
   std::vector<uvec3> triangles;
   int material = 0;
@@ -243,8 +276,11 @@ struct OrthographicCamera {
 struct Camera {
   std::string name;
   std::variant<PerspectiveCamera, OrthographicCamera> projection;
-  float f_number = 0.0f;        ///< of a 24 mm high sensor, perspective only; 0 = pinhole. glTF files leave it 0
+  float f_number = 0.0f;        ///< perspective only; 0 = pinhole
+  float focal_length = 0.0f;    ///< metres; 0 = that of a 24 mm high sensor
   float focus_distance = 0.0f;  ///< metres along -z; 0 = the middle of the scene
+  float near_plane = 0.0f;      ///< metres along -z: what is nearer it does not see
+  float far_plane = kInfinity;  ///< nor what is farther
   int file_index = -1;
 };
 
@@ -333,7 +369,11 @@ inline int image_number(const Scene& scene, std::size_t image) {
 /// Recomputes world_from_node from parent_from_node; parents may come after children. Throws Error on a cycle.
 void update_world_transforms(Scene& scene);
 
-/// World-space bounds of everything that has a mesh; empty when there is none.
+/// Whether a node holds a lamp of EXT_lights_area.
+bool is_lamp(const Scene& scene, const Node& node);
+
+/// World-space bounds of everything that has a mesh; empty when there is none. Lamps of EXT_lights_area are no part of
+/// what a picture is of.
 Box3 world_bounds(const Scene& scene);
 
 /// The Light::intensity with which a point or spot of white colour gives this flux; not finite where its profile is

@@ -19,7 +19,7 @@ shade::SurfaceParams surface_params(const Material& m, const shade::ShadingModel
   add(m.iridescence > 0.0f, shade::kLobeIridescence);
   add(m.is_conductor(), shade::kLobeConductor);
   add(m.transmission > 0.0f, shade::kLobeTransmission);
-  add(m.diffuse_transmission > 0.0f, shade::kLobeDiffuseTransmission);
+  add(m.diffuse_transmission > 0.0f || m.scatters_as_sheet(), shade::kLobeDiffuseTransmission);
   add(max_component(m.sheen_color) > 0.0f, shade::kLobeSheen);
   add(m.clearcoat > 0.0f, shade::kLobeClearcoat);
   p.anisotropy = m.anisotropy;
@@ -33,6 +33,9 @@ shade::SurfaceParams surface_params(const Material& m, const shade::ShadingModel
   p.eta = m.ior;
   p.diffuse_transmission = m.diffuse_transmission;
   p.diffuse_transmission_color = m.diffuse_transmission_color;
+  p.scatter = m.scatters_as_sheet() ? m.sheet_scatter : 0.0f;
+  p.scatter_color = m.multiscatter_color;
+  p.scatter_forward = 0.5f * (1.0f + m.scatter_anisotropy);
   p.sheen_color = m.sheen_color;
   p.sheen_roughness = m.sheen_roughness;
   p.clearcoat = m.clearcoat;

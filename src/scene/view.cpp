@@ -164,7 +164,7 @@ View scene_camera(const Scene& scene, const std::string& number_or_name, float a
   const Node* const node = find_camera_node(scene, number_or_name);
   if (node == nullptr) {
     throw Error(scene.cameras.empty() ? "the scene has no camera, so none is called \"" + number_or_name + "\""
-                                      : "no camera \"" + number_or_name + "\"; there are " + camera_list(scene));
+                                      : "no camera \"" + number_or_name + "\" (known: " + camera_list(scene) + ")");
   }
   return scene_camera(scene, *node, aspect);
 }
@@ -176,6 +176,8 @@ View scene_camera(const Scene& scene, const Node& node, float aspect) {
   view.world_from_camera = without_scale(node.world_from_node, node.name.empty() ? camera.name : node.name);
   using Projection = std::variant<PerspectiveCamera, OrthographicCamera>;
   view.projection = std::visit([&](const auto& p) -> Projection { return fit(p, aspect); }, camera.projection);
+  view.near_plane = camera.near_plane;
+  view.far_plane = camera.far_plane;
   if (camera.focus_distance > 0.0f) {
     view.lens.focus_distance = camera.focus_distance;
   } else if (const Box3 bounds = world_bounds(scene); !bounds.empty()) {
@@ -185,7 +187,8 @@ View scene_camera(const Scene& scene, const Node& node, float aspect) {
   }
   if (const auto* perspective = std::get_if<PerspectiveCamera>(&camera.projection);
       perspective != nullptr && camera.f_number > 0.0f)
-    view.lens.radius = aperture_radius(camera.f_number, perspective->yfov);
+    view.lens.radius = camera.focal_length > 0.0f ? 0.5f * camera.focal_length / camera.f_number
+                                                  : aperture_radius(camera.f_number, perspective->yfov);
   return view;
 }
 

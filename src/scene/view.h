@@ -21,6 +21,11 @@ struct View {
   mat4 world_from_camera{1.0f};
   std::variant<PerspectiveCamera, OrthographicCamera> projection;
   Lens lens;
+  /// What the camera itself sees, metres along -z; mirrors and lamps see all.
+  float near_plane = 0.0f;
+  float far_plane = kInfinity;
+
+  bool is_clipped() const { return near_plane > 0.0f || far_plane < kInfinity; }
 };
 
 /// Three-quarter view (azimuth 35°, elevation 20° unless given, degrees) of the whole box with a margin of about 8 %,

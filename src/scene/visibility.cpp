@@ -28,22 +28,26 @@ dvec3 corner(const Box3& box, int i) {
           (i & 4) != 0 ? box.upper.z : box.lower.z};
 }
 
-/// The sides of what the picture shows and the plane of the camera, in its own space.
-std::array<Plane, 5> sides_of(const View& view) {
+/// The sides of what the picture shows, its near and its far plane, in the camera's space.
+std::vector<Plane> sides_of(const View& view) {
+  const Plane near(0, 0, -1, -static_cast<double>(view.near_plane));
+  std::vector<Plane> planes = {near};
+  if (view.far_plane < kInfinity) planes.emplace_back(0, 0, 1, view.far_plane);
   if (const auto* o = std::get_if<OrthographicCamera>(&view.projection)) {
-    return {Plane(1, 0, 0, o->xmag), Plane(-1, 0, 0, o->xmag), Plane(0, 1, 0, o->ymag), Plane(0, -1, 0, o->ymag),
-            Plane(0, 0, -1, 0)};
+    planes.insert(planes.end(), {{1, 0, 0, o->xmag}, {-1, 0, 0, o->xmag}, {0, 1, 0, o->ymag}, {0, -1, 0, o->ymag}});
+    return planes;
   }
   const auto& p = std::get<PerspectiveCamera>(view.projection);
   const double y = std::tan(0.5 * static_cast<double>(p.yfov));
   const double x = y * static_cast<double>(p.aspect_ratio.value_or(1.0f));
-  return {Plane(1, 0, -x, 0), Plane(-1, 0, -x, 0), Plane(0, 1, -y, 0), Plane(0, -1, -y, 0), Plane(0, 0, -1, 0)};
+  planes.insert(planes.end(), {{1, 0, -x, 0}, {-1, 0, -x, 0}, {0, 1, -y, 0}, {0, -1, -y, 0}});
+  return planes;
 }
 
 double above(const Plane& plane, const dvec3& p) { return glm::dot(dvec3(plane), p) + plane.w; }
 
 /// Sutherland and Hodgman 1974: cut by one plane after another until nothing is left.
-bool is_cut_away(const std::array<dvec3, 3>& triangle, const std::array<Plane, 5>& planes) {
+bool is_cut_away(const std::array<dvec3, 3>& triangle, const std::vector<Plane>& planes) {
   std::vector<dvec3> polygon(triangle.begin(), triangle.end()), left;
   for (const Plane& plane : planes) {
     left.clear();
@@ -59,7 +63,7 @@ bool is_cut_away(const std::array<dvec3, 3>& triangle, const std::array<Plane, 5
   return false;
 }
 
-bool sees_mesh(const Mesh& mesh, const Box3& box, const dmat4& camera_from_mesh, const std::array<Plane, 5>& planes) {
+bool sees_mesh(const Mesh& mesh, const Box3& box, const dmat4& camera_from_mesh, const std::vector<Plane>& planes) {
   const auto seen = [&](const dvec3& p) { return dvec3(camera_from_mesh * glm::dvec4(p, 1.0)); };
   for (const Plane& plane : planes) {
     bool is_outside = true;
@@ -161,7 +165,7 @@ std::optional<Diagnostic> find_far_vertex(const Scene& scene, const Box3& bounds
 }  // namespace
 
 bool sees_something(const Scene& scene, const View& view) {
-  const std::array<Plane, 5> planes = sides_of(view);
+  const std::vector<Plane> planes = sides_of(view);
   const dmat4 camera_from_world = glm::inverse(dmat4(view.world_from_camera));
   std::vector<Box3> boxes;
   for (const Mesh& mesh : scene.meshes) boxes.push_back(bounds_of(mesh));

@@ -185,6 +185,14 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
         s.diffuse += s.diffuse_below * (1.0f - s.eta * s.eta);
       }
     }
+    if ((p.lobes & kLobeTransmission) != 0 && s.is_thin && p.scatter > 0.0f) {
+      // KHR_materials_scatter: that share of the glass is matter which sends light to both sides.
+      float scattered = s.weight_glass * p.scatter;
+      s.weight_glass = s.weight_glass - scattered;
+      s.weight_dielectric += scattered;
+      s.diffuse += p.scatter_color * (scattered * (1.0f - p.scatter_forward));
+      s.diffuse_below += p.scatter_color * (scattered * p.scatter_forward);
+    }
   }
 
   s.film_ior = p.film_ior;

@@ -44,6 +44,9 @@ struct SurfaceParams {
 
   float diffuse_transmission;
   vec3 diffuse_transmission_color;
+  float scatter;  ///< share of what a sheet transmits that is scattered, below the bit of diffuse transmission
+  vec3 scatter_color;
+  float scatter_forward;  ///< share of it that leaves on the other side
 
   vec3 sheen_color;
   float sheen_roughness;
@@ -192,6 +195,9 @@ SHADE_FN SurfaceParams surface_params_default() {
   p.eta = 1.5f;
   p.diffuse_transmission = 0.0f;
   p.diffuse_transmission_color = vec3(1.0f);
+  p.scatter = 0.0f;
+  p.scatter_color = vec3(1.0f);
+  p.scatter_forward = 0.5f;
   p.sheen_color = vec3(0.0f);
   p.sheen_roughness = 0.0f;
   p.clearcoat = 0.0f;

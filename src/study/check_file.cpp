@@ -20,11 +20,14 @@ struct Doubtful {
   std::string_view why;
 };
 constexpr auto kDoubtful = std::to_array<Doubtful>({
+    {"EXT_camera_physical", "a proposal"},
+    {"EXT_lights_area", "a draft"},
     {"EXT_lights_ies", "a multi-vendor extension that few viewers read"},
     {"EXT_texture_astc", "a draft"},
+    {"KHR_materials_diffuse_transmission", "a release candidate, not ratified"},
     {"KHR_materials_pbrSpecularGlossiness", "archived; viewers drop it, and show metallic-roughness instead"},
     {"KHR_materials_scatter", "a draft"},
-    {"KHR_materials_volume_scatter", "a draft"},
+    {"KHR_materials_volume_scatter", "a draft, which KHR_materials_scatter is to replace"},
 });
 
 Finding plain(Severity severity, const char* code, std::string subject, std::string message) {

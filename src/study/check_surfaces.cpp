@@ -181,6 +181,7 @@ class MaterialJudge {
   }
 
   void judge() {
+    if (material_.is_lamp) return;
     judge_normals();
     if (t_.all <= 0.0) {
       findings_.push_back(finding(Severity::warning, "invisible", index_, 1.0,
@@ -320,6 +321,9 @@ void find_hidden_textures(const Material& m, int index, std::vector<Finding>& fi
   hidden.emplace_back(&m.thickness_texture, m.thickness == 0.0f);
   hidden.emplace_back(&m.diffuse_transmission_texture, m.diffuse_transmission == 0.0f);
   hidden.emplace_back(&m.diffuse_transmission_color_texture, m.diffuse_transmission == 0.0f);
+  const bool scatters = m.multiscatter_color != vec3(0.0f) && (m.has_volume() || m.sheet_scatter > 0.0f);
+  hidden.emplace_back(&m.scatter_strength_texture, !scatters);
+  hidden.emplace_back(&m.multiscatter_color_texture, !scatters);
   const auto slots = texture_slots(m);
   for (const auto& [slot, is_hidden] : hidden) {
     if (!*slot || !is_hidden) continue;

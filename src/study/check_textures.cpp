@@ -38,6 +38,8 @@ constexpr std::array<Use, kTextureSlotNames.size()> kUses = {
     Use::data,    // thickness
     Use::alpha,   // diffuseTransmission
     Use::color,   // diffuseTransmissionColor
+    Use::alpha,   // scatterStrength
+    Use::color,   // multiscatterColor
     Use::color,   // specularGlossiness
     Use::data,    // height
 };

@@ -188,6 +188,16 @@ void add_matter(Table& table) {
     p.diffuse_transmission = share;
     table.add("diffuse transmission " + number(share), p, {}, true);
   }
+  for (const float share : {0.5f, 1.0f}) {
+    for (const float forward : {0.0f, 0.25f, 1.0f}) {
+      SurfaceParams p = white(0.0f);
+      with_glass(p, Glass::thin);
+      p.lobes |= shade::kLobeDiffuseTransmission;
+      p.scatter = share;
+      p.scatter_forward = forward;
+      table.add("thin glass that scatters " + number(share) + ", forwards " + number(forward), p, {}, true);
+    }
+  }
   for (const float thickness_nm : {150.0f, 400.0f, 1000.0f}) {
     for (const float metallic : {0.0f, 1.0f}) {
       SurfaceParams p = white(metallic);

@@ -104,11 +104,11 @@ class CliTest(unittest.TestCase):
         return sorted(path.name for path in self.folder.iterdir())
 
 
-def triangle_glb(light=None, material=None):
+def triangle_glb(light=None, material=None, planes=None):
     """One triangle 2 m wide in the plane z = 0, and two cameras in front of it: "near", and one on the node "far".
-    `light` of KHR_lights_punctual hangs 2 m in front of its middle; `material` is the triangle's."""
+    `light` of KHR_lights_punctual hangs 2 m in front of its middle; `material` is the triangle's, `planes` more of the cameras'."""
     positions = struct.pack("<9f", -1, 0, 0, 1, 0, 0, 0, 2, 0)
-    lens = {"yfov": 0.8, "znear": 0.1}
+    lens = {"yfov": 0.8, "znear": 0.1, **(planes or {})}
     scene = {
         "asset": {"version": "2.0", "generator": "candela tests"},
         "scene": 0,

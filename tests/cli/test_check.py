@@ -626,6 +626,9 @@ class Files(CheckTest):
         draft = self.quad_of(GREY)
         draft.extension("KHR_materials_volume_scatter")
         self.only(draft, "extension-uncommon", "note")
+        candidate = self.quad_of(GREY)
+        candidate.extension("KHR_materials_diffuse_transmission")
+        self.assertIn("not ratified", self.only(candidate, "extension-uncommon", "note")["message"])
 
     def test_what_the_loader_puts_right_is_told(self):
         asset = self.quad_of(pbr(roughness=7))

@@ -383,6 +383,23 @@ class BadInput(CliTest):
         self.fails(*SPHERES, *TINY, "--env", "env.hdr", "-o", "a.png", says="env.hdr")
         self.fails(*SPHERES, *TINY, "--env", "absent.exr", "-o", "a.png", says="absent.exr")
 
+    def test_planes_of_the_files_camera_and_no_clip(self):
+        """The triangle is 3 m before the camera: planes that leave it out show nothing, and that is known."""
+        (self.folder / "whole.glb").write_bytes(triangle_glb())
+        self.succeeds("render", "whole.glb", *TINY, "-o", "whole.png")
+        whole = png_pixels(self.folder / "whole.png")
+        for planes in ({"zfar": 2}, {"znear": 4}):
+            (self.folder / "a.glb").write_bytes(triangle_glb(planes=planes))
+            self.succeeds("render", "a.glb", *TINY, "-o", "all.png", "--no-clip")
+            self.assertEqual(png_pixels(self.folder / "all.png"), whole)
+            for engine in ("path", "raster"):
+                told = self.run_candela("render", "a.glb", *TINY, "-o", "b.png", "--camera", "0", "--engine", engine)
+                self.assertEqual(told.code, 0, told.err)
+                self.assertRegex(told.err, "camera 0 sees nothing")
+                told = self.run_candela("render", "a.glb", *TINY, "-o", "c.png", "--engine", engine)
+                self.assertEqual(told.code, 0, told.err)
+                self.assertRegex(told.err, "the whole scene is framed instead")
+
     def test_unknown_camera(self):
         self.fails(*SPHERES, *TINY, "--camera", "nobody", "-o", "a.png", says="nobody|camera")
         self.fails(*SPHERES, *TINY, "--camera", "999", "-o", "a.png", says="999|camera")

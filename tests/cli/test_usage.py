@@ -22,7 +22,7 @@ class Usage(CliTest):
     def test_render_help_has_every_option_examples_and_scenes(self):
         text = self.succeeds("render", "--help").out
         for option in (
-            "--output --variant --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
+            "--output --scene --variant --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
             "--target --fov --f-number --focus-distance --blades --vignetting --env --sun-elevation --env-rotation "
             "--env-intensity --light-falloff --background --glass --exposure --tonemap --aov --stats --quiet --strict --engine"
         ).split():
@@ -113,6 +113,7 @@ class Usage(CliTest):
             "--eye": ["1,2", "1,2,x", "1,2,3,4", "inf,0,0", "1e39,0,0"],
             "--exposure": ["bright", "nan", "f/8,1/125"],
             "--tonemap": ["filmic", ""],
+            "--scene": [""],
             "--variant": [""],
             "--background": ["#12345", "#gggggg", "1,2", "mauve", "-1,0,0", "nan,0,0"],
             "--glass": ["none", "transparent", ""],
@@ -145,6 +146,8 @@ class Usage(CliTest):
         scene = ("render", "demo:spheres")
         self.refuses(*scene, "--orbit", "1,2", "--eye", "1,2,3", says="--orbit|--eye")
         self.refuses(*scene, "--camera", "0", "--orbit", "1,2", says="--camera|--orbit")
+        self.refuses(*scene, "--no-clip", "--orbit", "1,2", says="--no-clip|--orbit")
+        self.refuses(*scene, "--no-clip", "--eye", "1,2,3", says="--no-clip|--eye")
         self.refuses(*scene, "--target", "1,2,3", says="--eye")
         self.refuses(*scene, "--env", "studio", "--sun-elevation", "20", says="--sun-elevation")
         self.refuses(*scene, "--aov", "albedo", "-o", "a.png", says="--aov.*exr")

@@ -394,6 +394,60 @@ TEST_F(law_raster, camera_and_background_are_those_of_the_path_tracer) {
   }
 }
 
+/// A box in front of a ball in front of a wall, all unlit: the near plane cuts the box, the far plane the wall or ball.
+Scene cut_scene() {
+  SceneBuilder b;
+  b.add(box({-0.7f, -0.7f, 1.0f}, {0.2f, 0.2f, 1.6f}), unlit({0.9f, 0.1f, 0.1f}));
+  b.add(sphere(vec3(0.1f), 0.8f, 4, false), unlit({0.1f, 0.9f, 0.1f}));
+  b.add(quad({-3, -3, -2}, {6, 0, 0}, {0, 6, 1}), unlit({0.1f, 0.1f, 0.9f}));
+  return b.build();
+}
+
+TEST_F(law_raster, planes_of_a_camera_cut_what_it_sees_as_in_the_path_tracer) {
+  const Scene scene = cut_scene();
+  path::Settings traced = centred(kSize, 1, 1);
+  raster::Settings settings = drawn(kSize);
+  traced.layers = settings.layers = {Layer::depth, Layer::position, Layer::object_id};
+  View perspective = look_at({0, 0, 4}, vec3(0.0f), 0.9f), orthographic = perspective;
+  orthographic.projection = OrthographicCamera{.xmag = 1.8f, .ymag = 1.8f};
+  std::vector<Image> beauties;
+  for (View view : {perspective, orthographic}) {
+    for (const vec2 planes : {vec2(0, kInfinity), vec2(2.7f, kInfinity), vec2(0, 5.5f), vec2(2.7f, 5.5f),
+                              vec2(3.6f, 3.9f), vec2(0.001f, 2.0f), vec2(9, 10)}) {
+      view.near_plane = planes.x, view.far_plane = planes.y;
+      const Film expected = shoot(scene, constant_environment(vec3(0.5f)), view, traced);
+      const Film found = draw(scene, constant_environment(vec3(0.5f)), view, settings);
+      EXPECT_LT(compare(expected.beauty, found.beauty, 0.02, 0.05).worst, 4e-3) << planes.x << ' ' << planes.y;
+      for (const Layer layer : settings.layers) {
+        const Image &e = expected.layers.at(layer), &f = found.layers.at(layer);
+        int differing = 0;
+        for (std::size_t i = 0; i < e.pixels.size(); ++i) {
+          differing += e.pixels[i] == f.pixels[i] || std::abs(e.pixels[i] - f.pixels[i]) < 2e-3f ? 0 : 1;
+        }
+        EXPECT_LT(differing, static_cast<int>(e.pixels.size()) / 200) << layer_name(layer) << ' ' << planes.x;
+        if (layer != Layer::depth || planes.x == 0.0f) continue;
+        EXPECT_GE(*std::min_element(e.pixels.begin(), e.pixels.end()), planes.x);
+      }
+      for (const Image& other : beauties) EXPECT_GT(largest_difference(other, expected.beauty), 0.1);
+      // Where nothing is between the planes both kinds of camera see the same nothing.
+      if (planes.y > 2.0f && planes.x < 9.0f) beauties.push_back(expected.beauty);
+    }
+  }
+}
+
+TEST_F(law_raster, an_eye_whose_near_plane_is_in_a_body_begins_there) {
+  Material glass = plastic(vec3(1.0f), 0.0f);
+  glass.transmission = 1.0f, glass.thickness = 1.0f, glass.ior = 1.0f;
+  glass.attenuation_color = {0.2f, 0.5f, 0.8f}, glass.attenuation_distance = 1.0f;
+  SceneBuilder b;
+  b.add(box(vec3(-2.0f), vec3(2.0f)), glass);
+  View view = look_at({0, 0, 5}, vec3(0.0f), 0.4f);
+  view.near_plane = 4.0f;  // a metre within
+  const Film seen = shoot(b.build(), constant_environment(vec3(1.0f)), view, centred(8, 1, 8));
+  const vec3 middle = seen.beauty.rgb(4, 4);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(middle[c], std::pow(glass.attenuation_color[c], 3.0f), 0.02f);
+}
+
 TEST_F(law_raster, layers_are_those_of_the_path_tracer) {
   SceneBuilder b;
   b.add(sphere(vec3(0.0f), 1.0f, 4, false), plastic({0.2f, 0.4f, 0.6f}, 0.5f));
@@ -577,13 +631,26 @@ TEST_F(law_raster, relief_is_where_the_path_tracer_displaces_to) {
   m.base_color_texture = slot(b.add_texture(8, 8, checks));
   m.height_texture = slot(b.add_texture(1, 1, {0, 0, 0, 255}));
   m.height_scale = 0.3f;
+  // Further uv sets move as the first ones do; the height map may read one of them.
+  Primitive sets = plane(vec3(0.0f), 3.0f);
+  sets.uvs[2] = sets.uvs[5] = sets.uvs[0];
+  for (vec2& uv : sets.uvs[0]) uv = vec2(0.5f);
+  Material further = m;
+  further.base_color_texture.uv_set = 5, further.height_texture.uv_set = 2;
+  SceneBuilder other = b;
+  other.add(sets, further);
   b.add(plane(vec3(0.0f), 3.0f), m);
   const Scene scene = b.build();
   const View view = look_at({0.3f, 1.2f, 1.6f}, {0.3f, 0, 0}, 0.7f);
   const Film expected = shoot(scene, dark_environment(), view, settings(kSize, 64, 1));
   raster::Settings settings = drawn(kSize);
   settings.frames = 8;
-  EXPECT_LT(mean_difference(expected.beauty, draw(scene, dark_environment(), view, settings).beauty), 0.06);
+  const Image found = draw(scene, dark_environment(), view, settings).beauty;
+  EXPECT_LT(mean_difference(expected.beauty, found), 0.06);
+  EXPECT_LT(mean_difference(found, draw(other.build(), dark_environment(), view, settings).beauty), 1e-4);
+  EXPECT_LT(mean_difference(expected.beauty,
+                            shoot(other.build(), dark_environment(), view, test::settings(kSize, 64, 1)).beauty),
+            1e-4);
   Scene flat = scene;
   flat.materials.back().height_texture = {};
   EXPECT_GT(mean_difference(expected.beauty, draw(flat, dark_environment(), view, settings).beauty), 0.12);
@@ -703,6 +770,61 @@ TEST_F(law_raster, textures_that_share_channels_look_as_if_they_did_not) {
     most = std::max(most, static_cast<double>(std::abs(apart.pixels[i] - together.pixels[i])));
   }
   EXPECT_LT(most, 0.01);  // drivers may filter colours and data with different precision
+}
+
+/// A quad with twenty uv sets, of which only `set` looks up the green half of a picture.
+Scene scene_of_set(int set, const std::function<void(Material&, const TextureSlot&)>& use, bool is_instanced) {
+  SceneBuilder b;
+  const int texture = b.add_texture(2, 1, {255, 0, 0, 0, 0, 255, 0, 255}, Filter::nearest);
+  Primitive p = quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+  for (std::size_t i = 0; i < 20; ++i) p.uvs[i].assign(4, vec2(0.25f, 0.5f));
+  p.uvs[static_cast<std::size_t>(set)].assign(4, vec2(0.75f, 0.5f));
+  Material m = unlit(vec3(1.0f));
+  use(m, slot(texture, set));
+  const int node = b.add(p, m);
+  if (is_instanced) {
+    b.scene().nodes[static_cast<std::size_t>(node)].world_from_node = translation({-0.5f, 0, 0});
+    b.add_node(b.scene().nodes[static_cast<std::size_t>(node)].mesh, translation({0.5f, 0, 0.1f}));
+  }
+  return b.build();
+}
+
+TEST_F(law_raster, every_uv_set_has_its_own_coordinates) {
+  const View view = look_at({0, 0, 3}, vec3(0.0f), 0.9f);
+  for (const int set : {0, 1, 2, 3, 4, 19}) {
+    for (const bool is_instanced : {false, true}) {
+      const auto color = [](Material& m, const TextureSlot& s) { m.base_color_texture = s; };
+      const Film plain = draw(scene_of_set(set, color, is_instanced), dark_environment(), view, drawn(16));
+      EXPECT_EQ(plain.beauty.rgb(8, 8), vec3(0, 1, 0)) << set;
+      // Two textures of different sets, and the alpha of a mask in a shadow's own program.
+      const auto mask = [](Material& m, const TextureSlot& s) {
+        m.base_color_texture = s;
+        m.alpha_mode = AlphaMode::mask;
+        m.emissive_texture = s;
+        m.emissive_texture.uv_set = 11;
+      };
+      const Film cut = draw(scene_of_set(set, mask, is_instanced), dark_environment(), view, drawn(16));
+      EXPECT_EQ(cut.beauty.rgb(8, 8), vec3(0, 1, 0)) << set;
+    }
+  }
+}
+
+TEST_F(law_raster, sets_for_which_a_vertex_has_no_room_are_told) {
+  const auto many = [](Material& m, const TextureSlot& s) {
+    int set = 0;
+    for (TextureSlot* slot : texture_slots(m)) {
+      *slot = s;
+      slot->uv_set = set++ % 20;
+    }
+    m.base_color_texture = s, m.height_texture = {};
+  };
+  Diagnostics told;
+  const Film film = test::draw(scene_of_set(3, many, false), dark_environment(), look_at({0, 0, 3}, vec3(0.0f), 0.9f),
+                               drawn(16), told);
+  EXPECT_EQ(film.beauty.rgb(8, 8), vec3(0, 1, 0));
+  EXPECT_TRUE(std::any_of(told.warnings().begin(), told.warnings().end(), [](const Diagnostic& d) {
+    return d.text().find("textures of TEXCOORD_16 and beyond are left out") != std::string::npos;
+  }));
 }
 
 TEST_F(law_raster, textures_that_a_driver_cannot_read_at_once_are_left_out_and_told) {

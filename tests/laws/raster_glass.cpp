@@ -202,5 +202,93 @@ TEST_F(law_raster_glass, without_glass_or_before_the_environment_there_is_nothin
   EXPECT_TRUE(draw(b.build(), constant_environment(vec3(1.0f)), s).through.empty());
 }
 
+TEST_F(law_raster_glass, what_is_in_a_body_with_the_eye_is_as_bright_as_for_the_path_tracer) {
+  Material water = plastic(vec3(1.0f), 0.0f);
+  water.transmission = 1.0f, water.thickness = 8.0f, water.ior = 1.5f;
+  water.attenuation_distance = 2.0f;
+  const View view = look_at({0, 0, 2}, vec3(0.0f), 0.6f);
+  for (const Material& seen : {unlit(vec3(0.5f)), lamp(vec3(3.0f)), matte(vec3(0.8f))}) {
+    const bool is_lit = max_component(seen.emission) <= 0.0f && !seen.unlit;  // over a way that takes nothing
+    water.attenuation_color = is_lit ? vec3(1.0f) : vec3(0.5f, 0.9f, 1.0f);
+    SceneBuilder b;
+    b.add(box(vec3(-4.0f), vec3(4.0f)), water);
+    b.add(quad({-2, -2, -1}, {4, 0, 0}, {0, 4, 0}), seen);
+    if (is_lit) b.add_light(point_light(vec3(1.0f), 20.0f), translation({0, 0, 3}));
+    const Scene scene = b.build();
+    const vec3 expected(mean_of(shoot(scene, dark_environment(), view, settings(8, 64, 1)).beauty));
+    raster::Settings drawn;
+    drawn.width = drawn.height = 8;
+    const vec3 found(mean_of(test::draw(scene, dark_environment(), view, drawn).beauty));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c] / expected[c], 1.0f, 0.03f);
+  }
+}
+
+// ----- KHR_materials_scatter of a thin wall
+
+/// Half of the sheet is as its textures say; a sun of π lux shines on its front, or through it from behind.
+Image scattering_sheet(bool is_traced, bool is_behind, float g, bool has_textures) {
+  SceneBuilder b;
+  Material m = sheet(1.0f, 1.0f, vec3(0.0f));  // no boundary, and what is not scattered is black
+  m.sheet_scatter = has_textures ? 1.0f : 0.5f;
+  m.multiscatter_color = has_textures ? vec3(1.0f) : kTint;
+  m.scatter_anisotropy = g;
+  if (has_textures) {
+    m.scatter_strength_texture = slot(b.add_texture(1, 1, {0, 0, 0, 128}, Filter::nearest));
+    m.multiscatter_color_texture = slot(b.add_texture(1, 1, {255, 203, 89, 0}, Filter::nearest));  // kTint as sRGB
+  }
+  b.add(pane(), m);
+  b.add_light(sunlight(vec3(1.0f), kPi), aimed({0, 0, is_behind ? -3.0f : 3.0f}, vec3(0.0f)));
+  if (is_traced) return shoot(b.build(), dark_environment(), front(), settings(8, 16, 2)).beauty;
+  raster::Settings s = before_background();
+  s.width = s.height = 8;
+  return draw(b.build(), dark_environment(), s).beauty;
+}
+
+TEST_F(law_raster_glass, a_thin_wall_scatters_to_both_sides_as_its_anisotropy_says_in_both_engines) {
+  for (const float g : {-0.9f, 0.0f, 0.5f}) {
+    for (const bool is_behind : {false, true}) {
+      const vec3 expected = kTint * (0.25f * (is_behind ? 1.0f + g : 1.0f - g));
+      for (const bool is_traced : {false, true}) {
+        for (const bool has_textures : {false, true}) {
+          const vec3 found = scattering_sheet(is_traced, is_behind, g, has_textures).rgb(4, 4);
+          EXPECT_LT(glm::length(found - expected), 0.01f)
+              << g << (is_behind ? " behind" : " front") << (is_traced ? " traced" : " drawn") << has_textures;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(law_raster_glass, the_colour_of_a_scattering_body_is_that_of_where_it_is_entered) {
+  SceneBuilder b;
+  Material wax = slab(vec3(0.001f));
+  wax.attenuation_distance = 0.05f;
+  wax.multiscatter_color = vec3(0.9f);
+  SceneBuilder plain = b;
+  wax.multiscatter_color_texture =
+      slot(b.add_texture(2, 1, {255, 255, 255, 255, 0, 0, 0, 255}, Filter::nearest, Wrap::clamp_to_edge));
+  Primitive body = box(vec3(-0.9f), vec3(0.9f));
+  for (std::size_t i = 0; i < body.positions.size(); ++i) {
+    body.uvs[0].resize(body.positions.size());
+    body.uvs[0][i] = vec2(body.positions[i].x > 0.0f ? 0.999f : 0.001f, 0.5f);
+  }
+  b.add(body, wax);
+  wax.multiscatter_color_texture = {};
+  plain.add(body, wax);
+  const Environment light = constant_environment(vec3(1.0f));
+  const Image whole = shoot(plain.build(), light, front(), settings(16, 64, 8)).beauty;
+  const Image half = shoot(b.build(), light, front(), settings(16, 64, 8)).beauty;
+  const auto side = [](const Image& image, bool is_right) {
+    return mean_of(image, {is_right ? 10 : 2, 4, is_right ? 14 : 6, 12}).x;
+  };
+  EXPECT_NEAR(side(half, false), side(whole, false), 0.03);
+  EXPECT_LT(side(half, true), 0.05);
+  EXPECT_GT(side(whole, true), 0.5);
+  raster::Settings s = before_background();
+  s.width = s.height = 16;
+  const Image drawn = draw(b.build(), light, s).beauty;
+  EXPECT_GT(side(drawn, false), 3.0 * side(drawn, true));
+}
+
 }  // namespace
 }  // namespace candela

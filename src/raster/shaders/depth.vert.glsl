@@ -1,3 +1,5 @@
+#include "more_uvs.vert.glsl"
+
 layout(location = 0) in vec3 a_position;
 layout(location = 3) in vec4 a_uv;
 layout(location = 4) in vec4 a_color;
@@ -21,6 +23,7 @@ out float v_alpha;
 void main() {
   vec4 p = vec4(a_position, 1.0);
   v_uv = a_uv;
+  pass_more_uvs();
   v_alpha = a_color.a * a_node_color.a;
   gl_Position = clip_from_world * vec4(dot(a_world_0, p), dot(a_world_1, p), dot(a_world_2, p), 1.0);
 #ifdef IS_SHADOW

@@ -52,6 +52,9 @@ uniform ivec4 depth_slice;  // the layers between which a draw shows what is the
 #endif
 #ifdef IN_BODY
 uniform vec3 body_extinction;
+#ifndef HAS_TRANSMISSION
+uniform float body_share;  // of radiance in it that is left outside, where the lens is: 1 over the square of its index
+#endif
 #endif
 
 layout(location = 0) out vec4 o_color;
@@ -98,28 +101,39 @@ vec3 mapped(vec4 texel, float scale, mat3 front, bool flip, vec3 ns, float side)
 }
 
 #ifdef HAS_height
-/// How uvs change along a direction in the surface, by what neighbouring pixels have.
-vec4 uv_along(vec3 direction, vec3 n) {
+/// What to take of dFdx and dFdy for how a quantity changes along a direction in the surface.
+vec2 steps_along(vec3 direction, vec3 n) {
   vec3 px = dFdx(v_position), py = dFdy(v_position);
   vec3 ax = cross(py, n), ay = cross(n, px);
   float area = dot(px, ax);
-  if (abs(area) < 1e-20) return vec4(0.0);
-  return (dot(ax, direction) * dFdx(v_uv) + dot(ay, direction) * dFdy(v_uv)) / area;
+  return abs(area) < 1e-20 ? vec2(0.0) : vec2(dot(ax, direction), dot(ay, direction)) / area;
 }
 
-float relief_at(vec4 uv) {
-  surface_uv = uv;
-  return height_texel().r;
+vec2 relief_dx, relief_dy;  // how the height map's coordinates change over the mesh, from pixel to pixel
+
+float relief_at(vec2 uv) { return texture(height_texture, uv).r; }
+
+void move_uvs(vec2 steps) {
+  surface_uv = v_uv + dFdx(v_uv) * steps.x + dFdy(v_uv) * steps.y;
+#ifdef MORE_UVS
+  for (int i = 0; i < MORE_UVS; ++i) {
+    surface_more_uv[i] = v_more_uv[i] + dFdx(v_more_uv[i]) * steps.x + dFdy(v_more_uv[i]) * steps.y;
+  }
+#endif
 }
 
 /// Moves surface_uv to where the view meets the relief below, and partly above, the mesh. Policarpo, Oliveira & Comba 2005,
 /// "Real-Time Relief Mapping on Arbitrary Polygonal Surfaces": a linear search, then the chord of the last step.
 void find_relief(vec3 n, vec3 wo) {
+  move_uvs(vec2(0.0));
   float depth = relief.x * v_scale;
   float cosine = max(dot(n, wo), 0.08);
   // From the top of the relief, as far as the view goes sideways down to its bottom.
-  vec4 sideways = uv_along((n * dot(n, wo) - wo) / cosine, n) * depth;
-  vec4 uv = v_uv - sideways * (1.0 - relief.y);
+  vec2 steps_down = steps_along((n * dot(n, wo) - wo) / cosine, n) * depth;
+  vec2 middle = height_uv();
+  relief_dx = dFdx(middle), relief_dy = dFdy(middle);
+  vec2 sideways = relief_dx * steps_down.x + relief_dy * steps_down.y;
+  vec2 uv = middle - sideways * (1.0 - relief.y);
   int steps = int(mix(40.0, 12.0, cosine));
   float last_gap = 1.0 - relief_at(uv);
   float t = 0.0, dt = 1.0 / float(steps);
@@ -133,21 +147,22 @@ void find_relief(vec3 n, vec3 wo) {
     last_gap = gap;
     t = next;
   }
-  surface_uv = uv + sideways * t;
+  move_uvs(steps_down * (t - 1.0 + relief.y));
 }
 
 /// What the relief makes of a normal that no map tells of.
 vec3 relief_normal(vec3 n) {
-  vec4 uv = surface_uv;
   vec3 x = shade_tangent(n), y = cross(n, x);
+  // The map's coordinates change over the mesh as where they are looked up does.
+  vec2 uv = height_uv(), sx = steps_along(x, n), sy = steps_along(y, n);
+  vec2 dx_uv = relief_dx, dy_uv = relief_dy;
   // Half a pixel to either side, or half a texel where that is more.
   vec2 texels = vec2(textureSize(height_texture, 0));
-  vec4 ux = uv_along(x, n), uy = uv_along(y, n);
-  float per_metre = max(length(ux.xy * texels), length(uy.xy * texels));
+  vec2 ux = dx_uv * sx.x + dy_uv * sx.y, uy = dx_uv * sy.x + dy_uv * sy.y;
+  float per_metre = max(length(ux * texels), length(uy * texels));
   float step = max(0.5 * length(fwidth(v_position)), 0.5 / max(per_metre, 1e-12));
   float dx = relief_at(uv + ux * step) - relief_at(uv - ux * step);
   float dy = relief_at(uv + uy * step) - relief_at(uv - uy * step);
-  surface_uv = uv;
   return normalize(n - (x * dx + y * dy) * (relief.x * v_scale / (2.0 * step)));
 }
 #endif
@@ -286,6 +301,15 @@ SurfaceParams fetch_params() {
 #endif
 #ifdef HAS_diffuse_transmission_color
   p.diffuse_transmission_color *= diffuse_transmission_color_texel().rgb;
+#endif
+  p.scatter = below_color.a;
+  p.scatter_color = scatter_color.rgb;
+  p.scatter_forward = scatter_color.a;
+#ifdef HAS_scatter_strength
+  p.scatter *= scatter_strength_texel().a;
+#endif
+#ifdef HAS_multiscatter_color
+  p.scatter_color *= multiscatter_color_texel().rgb;
 #endif
   p.sheen_color = sheen.rgb;
   p.sheen_roughness = sheen.a;
@@ -597,7 +621,14 @@ vec3 scattered_light(Point p, SurfaceShares shares) {
 #ifdef HAS_thickness
   thickness *= thickness_texel().g;
 #endif
-  vec3 color = mix(scatter_color.rgb, vec3(1.0), exp(-0.25 * extinction.rgb * thickness));
+  vec3 deep = scatter_color.rgb;
+#ifdef HAS_scatter_strength
+  deep *= scatter_strength_texel().a;
+#endif
+#ifdef HAS_multiscatter_color
+  deep *= multiscatter_color_texel().rgb;
+#endif
+  vec3 color = mix(deep, vec3(1.0), exp(-0.25 * extinction.rgb * thickness));
   return (shares.through + shares.below) * color * arriving * (part(16) / kShadePi);
 }
 #endif
@@ -779,7 +810,12 @@ bool is_elsewhere() {
 vec3 passing_body() {
   float boundary = texelFetch(depth_layers, ivec3(ivec2(gl_FragCoord.xy), 1), 0).x;
   if (gl_FragCoord.z - layer_slack() > boundary) return vec3(1.0);
-  return exp(-body_extinction * distance(eye.xyz, v_position));
+  vec3 passing = exp(-body_extinction * distance(eye.xyz, v_position));
+#ifndef HAS_TRANSMISSION
+  // What enters through the boundary has risen by as much as falls at the lens; what is seen through glass has fallen.
+  passing *= body_share;
+#endif
+  return passing;
 }
 #endif
 

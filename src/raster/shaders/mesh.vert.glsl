@@ -1,4 +1,5 @@
 #include "frame.glsl"
+#include "more_uvs.vert.glsl"
 
 layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec3 a_normal;
@@ -35,6 +36,7 @@ void main() {
   float n2 = dot(n, n);
   v_normal = n * (n2 > 0.0 ? side * inversesqrt(n2) : 0.0);
   v_uv = a_uv;
+  pass_more_uvs();
 #ifdef HAS_TANGENT
   v_tangent = vec4(dot(x, a_tangent.xyz), dot(y, a_tangent.xyz), dot(z, a_tangent.xyz), a_tangent.w * side);
 #endif

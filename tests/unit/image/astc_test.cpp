@@ -192,6 +192,31 @@ TEST(unit_image_astc, a_panorama_is_read_in_every_form_of_ktx2) {
   for (const int x : {0, 9, 31}) EXPECT_NEAR(srgb.rgb(x, 3).x, std::pow(linear.rgb(x, 3).x, 2.2f), 0.02f);
 }
 
+TEST(unit_image_astc, texels_that_are_no_light_are_put_right_in_panoramas_and_cube_maps) {
+  const test::TempFolder folder;
+  for (const bool is_cube : {false, true}) {
+    // Halves: 1, -1, 1, 1; 1, NaN, 1, 1; then 1 throughout.
+    constexpr unsigned kOne = 0x3c00, kMinusOne = 0xbc00, kNan = 0x7e00;
+    test::Ktx2 file{.vk_format = 97, .type_size = 2, .width = 2, .height = is_cube ? 2u : 1u, .model = 1};
+    file.faces = is_cube ? 6 : 1;
+    file.channels = {0, 1, 2, 15};
+    Bytes level;
+    for (unsigned i = 0; i < (is_cube ? 96u : 8u); ++i) {
+      const unsigned half = i == 1 ? kMinusOne : i == 5 ? kNan : kOne;
+      level.push_back(static_cast<std::byte>(half & 255u));
+      level.push_back(static_cast<std::byte>(half >> 8));
+    }
+    file.levels = {level};
+    write_file(folder.path() / "sky.ktx2", file.bytes());
+    const EnvironmentFile sky = read_clean_environment(folder.path() / "sky.ktx2");
+    ASSERT_EQ(sky.cube.empty(), !is_cube);
+    EXPECT_EQ(sky.warnings.size(), 2u);
+    const Image& image = is_cube ? sky.cube.levels[0][0] : sky.panorama;
+    for (const float v : image.pixels) EXPECT_GE(v, 0.0f);
+    EXPECT_EQ(std::count(image.pixels.begin(), image.pixels.end(), 0.0f), 2);
+  }
+}
+
 TEST(unit_image_astc, a_cube_map_is_read_in_blocks) {
   const test::TempFolder folder;
   const fs::path path = folder.path() / "sky.ktx2";

@@ -332,11 +332,12 @@ TEST_F(unit_image_exr_meaning, chromaticities_become_rec709_in_every_layout_of_p
 }
 
 TEST_F(unit_image_exr_meaning, rec709_keeps_every_bit) {
-  Channels channels = colors(0.1f);
+  // Next to a large one the smallest part of a channel would leave its trace in the others.
+  const Channels channels{{"R", constant(3e9f)}, {"G", constant(0.1f)}, {"B", constant(7e-9f)}};
   Imf::Header header = header_of(4, 2, channels);
   Imf::addChromaticities(header, Imf::Chromaticities());
   write(header, channels);
-  EXPECT_EQ(read().image.rgb(0, 0), vec3(0.1f, 0.2f, 3 * 0.1f));
+  EXPECT_EQ(read().image.rgb(0, 0), vec3(3e9f, 0.1f, 7e-9f));
   EXPECT_FALSE(fact_named(read(), "chromaticities").is_odd);
 }
 

@@ -63,6 +63,7 @@ const ColorCase kColors[] = {
     {"KHR_materials_volume", "attenuationColor", &Material::attenuation_color, 1, kTiny},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", &Material::diffuse_transmission_color, 1},
     {"KHR_materials_volume_scatter", "multiscatterColor", &Material::multiscatter_color, 0},
+    {"KHR_materials_volume_scatter", "multiscatterColorFactor", &Material::multiscatter_color, 0},
     {"KHR_materials_pbrSpecularGlossiness", "diffuseFactor", &Material::base_color, 1},
     {"KHR_materials_pbrSpecularGlossiness", "specularFactor", &Material::specular_color, 1},
 };
@@ -89,6 +90,7 @@ const SlotCase kSlots[] = {
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", &Material::diffuse_transmission_texture},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture",
      &Material::diffuse_transmission_color_texture},
+    {"KHR_materials_volume_scatter", "multiscatterColorTexture", &Material::multiscatter_color_texture},
 };
 
 /// A material of one extension, beside what that one may depend on.
@@ -221,15 +223,46 @@ TEST(unit_io_gltf_layers, the_later_draft_of_scattering_means_the_same_inside_a_
   EXPECT_EQ(m.scatter_anisotropy, -0.25f);
   EXPECT_EQ(material_of("KHR_materials_scatter", json::object()).multiscatter_color, vec3(0));
 
-  json textured = members;
-  textured["multiscatterColorTexture"] = {{"index", 0}};
-  EXPECT_TRUE(load_extended("KHR_materials_scatter", textured).warned("multiscatterColorTexture is not supported"));
-  const Loaded thin = load(with_material({{"extensions", {{"KHR_materials_scatter", members}}}}));
-  EXPECT_TRUE(thin.warned("material 0: KHR_materials_scatter of a thin wall is not supported"));
-  EXPECT_EQ(thin.scene.materials.at(0).multiscatter_color, vec3(0));
+  EXPECT_TRUE(load_extended("KHR_materials_scatter", json::object()).noted("its scatterStrengthFactor is 0"));
   json both = extended("KHR_materials_scatter", members);
   both["extensions"]["KHR_materials_diffuse_transmission"] = json::object();
   EXPECT_TRUE(load(with_material(both)).warned("KHR_materials_scatter is ignored beside"));
+}
+
+TEST(unit_io_gltf_layers, scattering_of_a_thin_wall_and_its_textures_arrive) {
+  json material = {{"name", "test"},
+                   {"extensions",
+                    {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                     {"KHR_materials_scatter",
+                      {{"scatterStrengthFactor", 0.5},
+                       {"multiscatterColorFactor", {1, 0.5, 0.25}},
+                       {"scatterAnisotropy", -0.25},
+                       {"scatterStrengthTexture", {{"index", 0}}},
+                       {"multiscatterColorTexture", {{"index", 1}}}}}}}};
+  const auto loaded = [&] {
+    Builder b = with_material(material);
+    add_texture(b), add_texture(b);
+    return load(b);
+  };
+  const auto check = [&](bool is_sheet, vec3 color) {
+    const Loaded one = loaded();
+    EXPECT_TRUE(one.warnings.empty());
+    const Material& m = one.scene.materials.at(0);
+    EXPECT_EQ(m.scatters_as_sheet(), is_sheet);
+    EXPECT_EQ(m.sheet_scatter, is_sheet ? 0.5f : 0.0f);
+    EXPECT_EQ(m.multiscatter_color, color);
+    EXPECT_EQ(m.scatter_anisotropy, -0.25f);
+    EXPECT_EQ(m.scatter_strength_texture.texture, 0);
+    EXPECT_EQ(m.multiscatter_color_texture.texture, 1);
+  };
+  check(true, {1, 0.5f, 0.25f});
+  material["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 0}};
+  check(true, {1, 0.5f, 0.25f});
+  material["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1}};
+  check(false, {0.5f, 0.25f, 0.125f});
+  material["extensions"].erase("KHR_materials_transmission");
+  EXPECT_TRUE(loaded().noted("KHR_materials_scatter has no effect without KHR_materials_transmission"));
+  EXPECT_EQ(loaded().scene.materials.at(0).multiscatter_color, vec3(0));
 }
 
 TEST(unit_io_gltf_layers, specular_glossiness_is_a_workflow_of_its_own) {
@@ -366,6 +399,7 @@ const Primitive& first(const Loaded& loaded) { return loaded.scene.meshes.at(0).
 TEST(unit_io_gltf_layers, uvs_that_a_layer_reads_are_present) {
   for (const SlotCase& c : kSlots) {
     Builder b = with_material({{"extensions", {{c.extension, {{c.key, {{"index", 0}, {"texCoord", 1}}}}}}}});
+    b.root["materials"][0]["extensions"].emplace("KHR_materials_volume", json::object());
     add_texture(b);
     const Loaded loaded = load(b);
     EXPECT_EQ(first(loaded).uvs[1].size(), 3u) << c.key;

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "base/file.h"
@@ -203,6 +204,104 @@ TEST(unit_io_gltf_ies_lights, many_names_of_one_large_profile_are_refused) {
     b.root["nodes"][i] = {{"extensions", {{"EXT_lights_ies", {{"light", i}}}}}};
   }
   EXPECT_THAT(error_of(b), HasSubstr("larger than 32 MiB together"));
+}
+
+// ----- EXT_lights_area
+
+/// A node that holds one area light, and stands as `place` says.
+Builder with_area(const json& light, const json& place = json::object()) {
+  Builder b;
+  b.root["nodes"] = {place};
+  b.root["nodes"][0]["extensions"]["EXT_lights_area"]["light"] = 0;
+  b.root["extensionsUsed"] = b.root["extensionsRequired"] = {"EXT_lights_area"};
+  b.root["extensions"]["EXT_lights_area"]["lights"] = {light};
+  return b;
+}
+
+/// What the one lamp of a scene is.
+struct AreaFound {
+  double area = 0.0;
+  vec3 facing{0.0f}, size{0.0f}, middle{0.0f}, radiance{0.0f};
+};
+
+AreaFound area_of(const Scene& scene) {
+  AreaFound result;
+  for (const Node& node : scene.nodes) {
+    if (!is_lamp(scene, node)) continue;
+    EXPECT_EQ(node.file_index, 0);
+    const Primitive& p = scene.meshes.at(static_cast<std::size_t>(node.mesh)).primitives.at(0);
+    Box3 box;
+    dvec3 sum(0.0);
+    for (const uvec3& t : p.triangles) {
+      std::array<vec3, 3> c{};
+      for (int i = 0; i < 3; ++i) {
+        c[static_cast<std::size_t>(i)] = transform_point(node.world_from_node, p.positions[t[i]]);
+        box.extend(c[static_cast<std::size_t>(i)]);
+      }
+      sum += 0.5 * glm::cross(dvec3(c[1]) - dvec3(c[0]), dvec3(c[2]) - dvec3(c[0]));
+    }
+    result = {glm::length(sum), vec3(glm::normalize(sum)), box.size(), box.center(),
+              scene.materials.at(static_cast<std::size_t>(p.material)).emission};
+  }
+  return result;
+}
+
+TEST(unit_io_gltf_area_lights, rectangles_and_discs_have_their_size_and_shine_along_minus_z) {
+  AreaFound found = area_of(load(with_area({{"type", "rect"}})).scene);
+  EXPECT_NEAR(found.area, 1.0, 1e-6);
+  EXPECT_EQ(found.radiance, vec3(1000)) << "cd/m2";
+  EXPECT_LT(glm::length(found.facing - vec3(0, 0, -1)), 1e-6f);
+  found = area_of(
+      load(with_area(
+               {{"type", "rect"}, {"size", 0.5}, {"rect", {{"aspect", 4}}}, {"intensity", 20}, {"color", {1, 0.5, 0}}}))
+          .scene);
+  EXPECT_LT(glm::length(found.size - vec3(2, 0.5f, 0)), 1e-6f) << "the aspect is that of width to height";
+  EXPECT_EQ(found.radiance, vec3(20, 10, 0));
+  found = area_of(load(with_area({{"type", "disk"}, {"size", 3}})).scene);
+  EXPECT_NEAR(found.area, 2.25 * 3.14159265, 1e-4) << "the size is a diameter";
+  EXPECT_LT(glm::length(found.facing - vec3(0, 0, -1)), 1e-6f);
+}
+
+TEST(unit_io_gltf_area_lights, they_grow_with_the_largest_scale_to_all_sides_alike) {
+  const double half = std::sqrt(0.5);
+  const json turned = {{"translation", {1, 2, 3}}, {"rotation", {half, 0, 0, half}}, {"scale", {2, 0.5, 3}}};
+  const AreaFound found = area_of(load(with_area({{"type", "rect"}}, turned)).scene);
+  EXPECT_NEAR(found.area, 9.0, 1e-5);
+  EXPECT_LT(glm::length(found.facing - vec3(0, 1, 0)), 1e-5f);
+  EXPECT_LT(glm::length(found.middle - vec3(1, 2, 3)), 1e-5f);
+  EXPECT_LT(glm::length(found.size - vec3(3, 0, 3)), 1e-5f);
+  const AreaFound mirrored = area_of(load(with_area({{"type", "rect"}}, {{"scale", {-1, 1, 1}}})).scene);
+  EXPECT_LT(glm::length(mirrored.facing - vec3(0, 0, -1)), 1e-6f) << "still along its own -z";
+  const AreaFound flat = area_of(load(with_area({{"type", "rect"}}, {{"scale", {1, 2, 0}}})).scene);
+  EXPECT_LT(glm::length(flat.facing - vec3(0, 0, -1)), 1e-6f);
+  EXPECT_EQ(area_of(load(with_area({{"type", "rect"}}, {{"scale", {0, 0, 0}}})).scene).area, 0.0);
+}
+
+TEST(unit_io_gltf_area_lights, they_are_no_part_of_the_subject_and_hide_with_their_node) {
+  Builder b = triangle();
+  b.root["nodes"].push_back({{"translation", {0, 9, 0}}, {"extensions", {{"EXT_lights_area", {{"light", 0}}}}}});
+  b.root["scenes"][0]["nodes"] = {0, 1};
+  b.root["extensions"]["EXT_lights_area"]["lights"] = {{{"type", "disk"}}};
+  const Scene scene = load(b).scene;
+  EXPECT_TRUE(is_lamp(scene, scene.nodes.back()));
+  EXPECT_EQ(world_bounds(scene).upper, vec3(1, 1, 0));
+  b.root["nodes"][1]["extensions"]["KHR_node_visibility"] = {{"visible", false}};
+  for (const Node& node : load(b).scene.nodes) EXPECT_FALSE(is_lamp(load(b).scene, node));
+}
+
+TEST(unit_io_gltf_area_lights, what_is_out_of_range_is_told_and_nonsense_refused) {
+  EXPECT_TRUE(load(with_area({{"type", "rect"}, {"size", -1}})).warned("size -1 becomes 0"));
+  for (const json& none : {json{{"type", "rect"}, {"size", 0}}, json{{"type", "disk"}, {"size", 0}},
+                           json{{"type", "rect"}, {"rect", {{"aspect", 0}}}}}) {
+    EXPECT_EQ(area_of(load(with_area(none)).scene).area, 0.0) << none;
+  }
+  EXPECT_TRUE(load(with_area({{"type", "rect"}, {"intensity", -1}})).warned("intensity -1 becomes 0"));
+  EXPECT_TRUE(load(with_area({{"type", "rect"}, {"color", {1, -1, 1}}})).warned("negative colour"));
+  EXPECT_THAT(error_of(with_area({{"type", "sphere"}})), HasSubstr("must be rect or disk"));
+  EXPECT_THAT(error_of(with_area(json::object())), HasSubstr("'type' is missing"));
+  Builder b = with_area({{"type", "rect"}});
+  b.root["nodes"][0]["extensions"]["EXT_lights_area"]["light"] = 1;
+  EXPECT_THAT(error_of(b), HasSubstr("area light 1 does not exist"));
 }
 
 }  // namespace

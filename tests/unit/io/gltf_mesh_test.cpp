@@ -143,14 +143,96 @@ TEST(unit_io_gltf_mesh, colours_of_every_kind_are_linear_rgba) {
   EXPECT_TRUE(loaded.warned("clamped"));
 }
 
-TEST(unit_io_gltf_mesh, two_uv_sets_are_read_and_a_third_is_told) {
+TEST(unit_io_gltf_mesh, two_uv_sets_are_read_and_more_where_a_texture_reads_them) {
   Builder b = triangle();
+  add_texture(b);
   primitive(b)["attributes"]["TEXCOORD_1"] =
       b.accessor(std::vector<std::uint16_t>{0, 0, 65535, 0, 0, 65535}, "VEC2", 5123, 2, true);
   primitive(b)["attributes"]["TEXCOORD_2"] = b.vec2s({0, 0, 0, 0, 0, 0});
+  primitive(b)["attributes"]["TEXCOORD_17"] = b.vec2s({1, 2, 3, 4, 5, 6});
+  primitive(b)["material"] = 0;
+  b.root["materials"] = {{{"emissiveTexture", {{"index", 0}, {"texCoord", 17}}}}};
   const Loaded loaded = load(b);
-  EXPECT_EQ(first(loaded).uvs[1], (std::vector<vec2>{{0, 0}, {1, 0}, {0, 1}}));
-  EXPECT_TRUE(loaded.warned("only two sets"));
+  const Primitive& p = first(loaded);
+  EXPECT_EQ(p.uvs[1], (std::vector<vec2>{{0, 0}, {1, 0}, {0, 1}}));
+  EXPECT_TRUE(p.uvs[2].empty()) << "nothing reads it";
+  EXPECT_EQ(p.uvs[17], (std::vector<vec2>{{1, 2}, {3, 4}, {5, 6}}));
+  EXPECT_EQ(loaded.scene.materials[0].emissive_texture.uv_set, 17);
+  EXPECT_TRUE(loaded.warnings.empty());
+  // The transform's word wins; what the file has not is 0, as of any set.
+  b.root["materials"][0]["emissiveTexture"]["extensions"]["KHR_texture_transform"]["texCoord"] = 5;
+  const Loaded moved = load(b);
+  EXPECT_EQ(first(moved).uvs[5], std::vector<vec2>(3, vec2(0)));
+  EXPECT_TRUE(first(moved).uvs[17].empty());
+  EXPECT_TRUE(moved.warned("needs TEXCOORD_5, which is missing"));
+  b.root["materials"][0]["emissiveTexture"]["extensions"]["KHR_texture_transform"]["texCoord"] = 4000000000u;
+  EXPECT_TRUE(load(b).warned("TEXCOORD_4000000000"));
+}
+
+TEST(unit_io_gltf_mesh, tangents_are_those_of_the_normal_maps_own_set) {
+  Builder b = triangle();
+  add_texture(b);
+  primitive(b)["attributes"]["TEXCOORD_3"] = b.vec2s({0, 0, 0, 1, 1, 0});  // u along +y
+  primitive(b)["material"] = 0;
+  b.root["materials"] = {{{"normalTexture", {{"index", 0}, {"texCoord", 3}}}}};
+  const Loaded third = load(b);
+  for (const vec4& t : first(third).tangents) EXPECT_NEAR(t.y, 1.0f, 1e-5f);
+  b.root["materials"][0]["normalTexture"]["texCoord"] = 0;
+  const Loaded zeroth = load(b);
+  for (const vec4& t : first(zeroth).tangents) EXPECT_NEAR(t.x, 1.0f, 1e-5f);
+}
+
+TEST(unit_io_gltf_mesh, further_colours_disturb_nothing_and_are_noted) {
+  Builder b = triangle();
+  primitive(b)["attributes"]["COLOR_0"] = b.vec3s({1, 0, 0, 1, 0, 0, 1, 0, 0});
+  primitive(b)["attributes"]["COLOR_1"] = b.vec3s({0, 9, 0, 0, 9, 0, 0, 9, 0});
+  const Loaded loaded = load(b);
+  EXPECT_EQ(first(loaded).colors[0], vec4(1, 0, 0, 1));
+  EXPECT_TRUE(loaded.warnings.empty());
+  EXPECT_TRUE(loaded.noted("COLOR_1 changes no pixel"));
+}
+
+TEST(unit_io_gltf_mesh, morph_targets_move_colours_and_all_uv_sets) {
+  Builder b = triangle();
+  add_texture(b);
+  auto& attributes = primitive(b)["attributes"];
+  attributes["TEXCOORD_0"] = b.vec2s({0, 0, 1, 0, 0, 1});
+  attributes["TEXCOORD_2"] = b.vec2s({0, 0, 1, 0, 0, 1});
+  attributes["COLOR_0"] = b.vec4s({1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0.5f});
+  primitive(b)["material"] = 0;
+  b.root["materials"] = {{{"emissiveTexture", {{"index", 0}, {"texCoord", 2}}}}};
+  // Sparse: only the last vertex; normalized bytes; and what moves colour but not alpha.
+  const int indices = b.view(std::vector<std::uint16_t>{2}), values = b.view(std::vector<float>{0, 0, 1, 0.5f});
+  const int sparse = b.add_accessor({{"componentType", 5126},
+                                     {"count", 3},
+                                     {"type", "VEC4"},
+                                     {"sparse",
+                                      {{"count", 1},
+                                       {"indices", {{"bufferView", indices}, {"componentType", 5123}}},
+                                       {"values", {{"bufferView", values}}}}}});
+  const int bytes =
+      b.accessor(std::vector<std::int8_t>{-127, 127, 0, 0, -127, 127, 0, 0, -127, 127, 0, 0}, "VEC4", 5120, 4, true);
+  const int rgb = b.vec3s({0, 0, 4, 0, 0, 4, 0, 0, 4});
+  primitive(b)["targets"] = {{{"COLOR_0", sparse}, {"TEXCOORD_2", b.vec2s({1, 1, 1, 1, 1, 1})}},
+                             {{"COLOR_0", bytes}, {"TEXCOORD_0", b.vec2s({0, 2, 0, 2, 0, 2})}},
+                             {{"COLOR_0", rgb}}};
+  const auto posed = [&b](const json& weights) {
+    b.root["meshes"][0]["weights"] = weights;
+    return load(b);
+  };
+  const Loaded last = posed({0.5, 0, 0});
+  EXPECT_EQ(first(last).colors, (std::vector<vec4>{{1, 0, 0, 1}, {1, 0, 0, 1}, {1, 0, 0.5f, 0.75f}}));
+  EXPECT_EQ(first(last).uvs[2][1], vec2(1.5f, 0.5f));
+  EXPECT_EQ(first(last).uvs[0][1], vec2(1, 0));
+  const Loaded green = posed({0, 0.75, 0});
+  EXPECT_LT(glm::length(first(green).colors[0] - vec4(0.25f, 0.75f, 0, 1)), 1e-6f);
+  EXPECT_EQ(first(green).uvs[0][1], vec2(1, 1.5f));
+  EXPECT_EQ(first(green).uvs[2][1], vec2(1, 0));
+  const Loaded blue = posed({0, 0, 1});
+  EXPECT_EQ(first(blue).colors[2], vec4(1, 0, 1, 0.5f)) << "clamped after the sum, alpha as it was";
+  EXPECT_TRUE(blue.warnings.empty());
+  attributes.erase("COLOR_0");
+  EXPECT_TRUE(posed({0, 1, 0}).warned("COLOR_0, which the primitive has not"));
 }
 
 TEST(unit_io_gltf_mesh, morph_targets_apply_with_the_meshs_and_the_nodes_weights) {

@@ -93,7 +93,8 @@ Builder everything() {
     primitives.back()["material"] = material;
   }
   b.root["cameras"] = json::parse(R"([
-    {"type": "perspective", "perspective": {"yfov": 1, "aspectRatio": 1, "znear": 0.1, "zfar": 9}},
+    {"type": "perspective", "perspective": {"yfov": 1, "aspectRatio": 1, "znear": 0.1, "zfar": 9},
+     "extensions": {"EXT_camera_physical": {"focalLength": 0.05, "sensorSize": [0.036, 0.024], "fStop": 4, "focusDistance": 3}}},
     {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 9}}])");
   b.root["extensions"]["KHR_lights_punctual"]["lights"] = json::parse(R"([
     {"type": "point", "range": 5}, {"type": "spot", "spot": {"outerConeAngle": 0.9}},
@@ -101,8 +102,9 @@ Builder everything() {
     {"type": "point", "extras": {"candela": {"lumens": 100}}}])");
   b.root["extensions"]["EXT_lights_ies"]["lights"] = {
       {{"uri", "data:application/x-ies-lm-63;base64," + base64(as_bytes(tiny_ies()))}}};
+  b.root["extensions"]["EXT_lights_area"]["lights"] = json::parse(R"([{"type": "rect", "rect": {"aspect": 2}}])");
   b.root["nodes"] = json::parse(R"([{"mesh": 0, "children": [1, 2, 3, 4, 5, 6, 7]},
-    {"camera": 0}, {"camera": 1}, {"extensions": {"EXT_lights_ies": {"light": 0}}}])");
+    {"camera": 0}, {"camera": 1}, {"extensions": {"EXT_lights_ies": {"light": 0}, "EXT_lights_area": {"light": 0}}}])");
   for (int light = 0; light < 4; ++light) {
     b.root["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
   }
@@ -117,6 +119,7 @@ std::string numbers_of(const Scene& scene) {
     for (int i = 0; i < v.length(); ++i) put(v[i]);
   };
   for (const Camera& camera : scene.cameras) {
+    put(camera.near_plane, camera.far_plane, camera.f_number, camera.focal_length, camera.focus_distance);
     if (const auto* p = std::get_if<PerspectiveCamera>(&camera.projection)) {
       put(p->yfov, p->aspect_ratio.value_or(-1.0f));
     } else {
@@ -152,6 +155,17 @@ std::vector<Case> all_cases() {
       {"/nodes/0/rotation", {0.6f, 0, 0, 0.8f}},
       {"/cameras/0/perspective/yfov", {0.5f}},
       {"/cameras/0/perspective/aspectRatio", {2}},
+      {"/cameras/0/perspective/znear", {0.5f}},
+      {"/cameras/0/perspective/zfar", {5}},
+      {"/cameras/0/extensions/EXT_camera_physical/fStop", {2}},
+      {"/cameras/0/extensions/EXT_camera_physical/focalLength", {0.1f}},
+      {"/cameras/0/extensions/EXT_camera_physical/focusDistance", {7}},
+      {"/cameras/1/orthographic/znear", {0.5f}},
+      {"/cameras/1/orthographic/zfar", {5}},
+      {"/extensions/EXT_lights_area/lights/0/color", {0.5f, 0.25f, 0}},
+      {"/extensions/EXT_lights_area/lights/0/intensity", {7}},
+      {"/extensions/EXT_lights_area/lights/0/size", {3}},
+      {"/extensions/EXT_lights_area/lights/0/rect/aspect", {4}},
       {"/cameras/1/orthographic/xmag", {3}},
       {"/cameras/1/orthographic/ymag", {4}},
       {"/extensions/KHR_lights_punctual/lights/0/color", {0.5f, 0.25f, 0}},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/view.h"
 #include "unit/io/gltf_builder.h"
 
 namespace candela::io::test {
@@ -180,6 +181,39 @@ TEST(unit_io_gltf_nodes, the_default_scene_is_shown_and_nothing_else) {
   EXPECT_THAT(error_of(b), HasSubstr("node 2 is no root: it is a child of node 1"));
 }
 
+TEST(unit_io_gltf_nodes, a_scene_is_chosen_by_its_name_or_else_its_number) {
+  Builder b = triangle();
+  b.root["nodes"] = {{{"name", "a"}, {"mesh", 0}}, {{"name", "b"}, {"mesh", 0}}, {{"name", "c"}}};
+  b.root["scenes"] = {{{"nodes", {0}}, {"name", "day"}}, {{"nodes", {1}}}, {{"nodes", {2}}, {"name", "1"}}};
+  b.root["scene"] = 0;
+  const auto shown = [&](const std::string& scene) {
+    Diagnostics ignored;
+    LoadOptions options;
+    options.scene = scene;
+    FileInfo info;
+    const Scene found = load_gltf(as_bytes(b.gltf()), {}, ignored, options, &info);
+    EXPECT_EQ(info.scenes, (std::vector<std::string>{"day", "", "1"}));
+    EXPECT_EQ(found.nodes.at(0).name, std::string(1, static_cast<char>('a' + info.scene)));
+    return found.nodes.at(0).name;
+  };
+  EXPECT_EQ(shown(""), "a");
+  EXPECT_EQ(shown("day"), "a");
+  EXPECT_EQ(shown("0"), "a");
+  EXPECT_EQ(shown("2"), "c");
+  EXPECT_EQ(shown("1"), "c") << "a name goes before a number";
+  b.root["scene"] = 7;
+  EXPECT_EQ(shown("day"), "a") << "the default scene is not asked for";
+  for (const char* name : {"night", "3", "-1", "0x1", "1.0", " 0"}) {
+    try {
+      shown(name);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(std::string("there is no scene '") + name + "'"));
+      EXPECT_THAT(error.what(), HasSubstr("the file has: 0 'day', 1, 2 '1'"));
+    }
+  }
+}
+
 /// Four nodes in a chain, each with a mesh, a camera and a lamp; `hidden` says which have visible = false.
 Builder chain(const std::vector<int>& hidden) {
   Builder b = triangle();
@@ -279,6 +313,52 @@ TEST(unit_io_gltf_cameras, both_kinds_are_read) {
   EXPECT_EQ(eye.name, "eye");
   EXPECT_EQ(std::get<PerspectiveCamera>(eye.projection).yfov, 0.7f);
   EXPECT_EQ(std::get<PerspectiveCamera>(eye.projection).aspect_ratio, 1.5f);
+}
+
+TEST(unit_io_gltf_cameras, planes_are_read_and_odd_ones_are_told) {
+  const auto planes = [](const char* type, const json& more) {
+    Builder b = nodes_only({{{"camera", 0}}});
+    json projection = std::string(type) == "perspective" ? json{{"yfov", 1}} : json{{"xmag", 1}, {"ymag", 1}};
+    projection.update(more);
+    b.root["cameras"] = {{{"type", type}, {type, projection}}};
+    const Loaded loaded = load(b);
+    const Camera& camera = loaded.scene.cameras[0];
+    return std::tuple(camera.near_plane, camera.far_plane, loaded.warnings.size());
+  };
+  using Planes = std::tuple<float, float, std::size_t>;
+  EXPECT_EQ(planes("perspective", {{"znear", 0.5}, {"zfar", 9}}), Planes(0.5f, 9.0f, 0));
+  EXPECT_EQ(planes("perspective", {{"znear", 0.5}}), Planes(0.5f, kInfinity, 0)) << "infinite";
+  EXPECT_EQ(planes("orthographic", {{"znear", 0}, {"zfar", 9}}), Planes(0.0f, 9.0f, 0));
+  EXPECT_EQ(planes("perspective", {{"znear", 0}, {"zfar", 9}}), Planes(0.0f, 9.0f, 1));
+  EXPECT_EQ(planes("orthographic", {{"znear", -3}, {"zfar", 9}}), Planes(0.0f, 9.0f, 1));
+  EXPECT_EQ(planes("perspective", {{"znear", 2}, {"zfar", 1}}), Planes(2.0f, kInfinity, 1));
+  EXPECT_EQ(planes("orthographic", {{"znear", 2}, {"zfar", 2}}), Planes(2.0f, kInfinity, 1));
+}
+
+TEST(unit_io_gltf_cameras, the_lens_of_a_physical_camera_is_read_and_its_field_of_view_is_not) {
+  const auto camera = [](const json& lens, const char* told = nullptr) {
+    Builder b = nodes_only({{{"camera", 0}}});
+    b.root["cameras"] = {{{"type", "perspective"},
+                          {"perspective", {{"yfov", 1}, {"znear", 0.1}}},
+                          {"extensions", {{"EXT_camera_physical", lens}}}}};
+    const Loaded loaded = load(b);
+    EXPECT_EQ(loaded.warnings.size(), told != nullptr ? 1u : 0u);
+    EXPECT_TRUE(told == nullptr || loaded.warned(told));
+    return loaded.scene;
+  };
+  const json sensor = {0.036, 0.024};
+  Scene scene = camera({{"focalLength", 0.1}, {"sensorSize", sensor}, {"fStop", 2.5}, {"focusDistance", 3}});
+  EXPECT_EQ(scene.cameras[0].f_number, 2.5f);
+  EXPECT_EQ(scene.cameras[0].focal_length, 0.1f);
+  EXPECT_EQ(scene.cameras[0].focus_distance, 3.0f);
+  const View view = scene_camera(scene, scene.nodes[0], 1.5f);
+  EXPECT_FLOAT_EQ(view.lens.radius, 0.02f) << "the entrance pupil is 0.1 m / 2.5 wide";
+  EXPECT_EQ(view.lens.focus_distance, 3.0f);
+  EXPECT_EQ(std::get<PerspectiveCamera>(view.projection).yfov, 1.0f);
+  scene = camera({{"focalLength", 0.1}, {"sensorSize", sensor}});
+  EXPECT_EQ(scene_camera(scene, scene.nodes[0], 1.5f).lens.radius, 0.0f) << "no stop, no blur";
+  EXPECT_EQ(camera({{"fStop", 0}}, "fStop").cameras[0].f_number, 0.0f);
+  EXPECT_EQ(camera({{"focusDistance", -2}}, "focusDistance").cameras[0].focus_distance, 0.0f);
 }
 
 TEST(unit_io_gltf_cameras, impossible_ones_are_errors) {

@@ -29,8 +29,9 @@ inline Builder layered() {
 /// Two variants of one triangle: specular-glossiness, and without light. A third material scatters by the later draft.
 inline Builder dressed() {
   Builder b = with_material(json::parse(R"({
-      "extensions": {"KHR_materials_volume": {"thicknessFactor": 1}, "KHR_materials_scatter": {"scatterStrengthFactor": 0.5,
-        "scatterStrengthTexture": {"index": 0}, "multiscatterColorFactor": [1, 0.5, 0.25], "scatterAnisotropy": -0.5}}})"));
+      "extensions": {"KHR_materials_volume": {"thicknessFactor": 1}, "KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_scatter": {"scatterStrengthFactor": 0.5, "scatterStrengthTexture": {"index": 0},
+        "multiscatterColorTexture": {"index": 0}, "multiscatterColorFactor": [1, 0.5, 0.25], "scatterAnisotropy": -0.5}}})"));
   b.root["materials"].push_back(json::parse(R"({
       "name": "glossy", "extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.1, 0.2, 0.3, 0.4],
         "diffuseTexture": {"index": 0}, "specularFactor": [0.5, 0.6, 0.7], "glossinessFactor": 0.25,

@@ -108,6 +108,52 @@ TEST(unit_path_camera, orthographic_rays_are_parallel_and_cover_the_box) {
   }
 }
 
+TEST(unit_path_camera, rays_begin_and_end_at_the_planes) {
+  View perspective = lens_view(0.0f, 1.0f), lens = lens_view(0.2f, 3.0f), orthographic = lens_view(0.0f, 1.0f);
+  orthographic.projection = OrthographicCamera{.xmag = 2.0f, .ymag = 2.0f};
+  for (View view : {perspective, lens, orthographic}) {
+    const path::Camera::Sample open = path::Camera(view, kSize, kSize).generate(vec2(3, 50), vec2(0.9f, 0.3f));
+    EXPECT_EQ(open.start, 0.0f);
+    EXPECT_EQ(open.ray.t_max, kInfinity);
+    view.near_plane = 0.7f, view.far_plane = 5.0f;
+    const path::Camera camera(view, kSize, kSize);
+    const path::Camera::Sample cut = camera.generate(vec2(3, 50), vec2(0.9f, 0.3f));
+    EXPECT_EQ(cut.ray.direction, open.ray.direction);
+    EXPECT_NEAR(cut.ray.origin.z, -0.7f, 1e-6f);
+    EXPECT_NEAR((cut.ray.origin + cut.ray.direction * cut.ray.t_max).z, -5.0f, 1e-5f);
+    EXPECT_NEAR(glm::length(cut.ray.origin - open.ray.origin), cut.start, 1e-6f);
+    const Box3 origins = camera.origins();
+    EXPECT_TRUE(glm::all(glm::lessThanEqual(origins.lower - 1e-5f, cut.ray.origin)) &&
+                glm::all(glm::greaterThanEqual(origins.upper + 1e-5f, cut.ray.origin)));
+  }
+}
+
+TEST(unit_path_camera, planes_hide_from_the_eye_alone) {
+  // A mirror at z = 0 shows a lamp behind the eye, whose light casts shadows of what is beyond the far plane.
+  SceneBuilder b;
+  b.add(quad({-5, -5, 0}, {10, 0, 0}, {0, 10, 0}), metal(vec3(1.0f), 0.0f));
+  b.add(turned_inside_out(quad({-5, -5, 9}, {10, 0, 0}, {0, 10, 0})), lamp({0.2f, 0.5f, 0.9f}));
+  View view = lens_view(0.0f, 1.0f);
+  view.world_from_camera = translation({0, 0, 4});
+  view.near_plane = 3.0f, view.far_plane = 4.5f;
+  const Film film = shoot(b.build(), dark_environment(), view, centred(8, 4, 3));
+  EXPECT_LT(glm::length(film.beauty.rgb(4, 4) - vec3(0.2f, 0.5f, 0.9f)), 1e-3f);
+  // A sheet of glass before the far plane does not lengthen the view.
+  SceneBuilder sheet;
+  Material glass = plastic(vec3(1.0f), 0.0f);
+  glass.transmission = 1.0f, glass.specular = 0.0f, glass.double_sided = true;
+  sheet.add(quad({-5, -5, 0}, {10, 0, 0}, {0, 10, 0}), glass);
+  sheet.add(quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}), unlit(vec3(1.0f)));
+  for (const path::Integrator integrator : {path::Integrator::full, path::Integrator::minimal}) {
+    path::Settings s = centred(8, 4, 4);
+    s.integrator = integrator;
+    EXPECT_EQ(shoot(sheet.build(), dark_environment(), view, s).beauty.rgb(4, 4), vec3(0.0f));
+    view.far_plane = 5.5f;
+    EXPECT_GT(shoot(sheet.build(), dark_environment(), view, s).beauty.rgb(4, 4).x, 0.9f);
+    view.far_plane = 4.5f;
+  }
+}
+
 TEST(unit_path_camera, vignetting_is_the_fourth_power_of_the_cosine) {
   View view = lens_view(0.0f, 1.0f);
   for (const float amount : {0.0f, 0.4f, 1.0f}) {

@@ -30,7 +30,7 @@ Primitive joined(Primitive a, const Primitive& b) {
   a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
   a.normals.insert(a.normals.end(), b.normals.begin(), b.normals.end());
   for (const uvec3& t : b.triangles) a.triangles.push_back(t + first);
-  for (std::vector<vec2>& uv : a.uvs) uv.clear();
+  for (auto& [set, uv] : a.uvs) uv.clear();
   a.tangents.clear();
   return a;
 }

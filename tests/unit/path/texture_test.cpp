@@ -174,6 +174,22 @@ Image picture_of(SceneBuilder b, Primitive primitive, const Material& material) 
   return shoot(b.build(), dark_environment(), view, centred(2, 1, 1)).beauty;
 }
 
+TEST(unit_path_texture, every_uv_set_has_its_own_coordinates) {
+  SceneBuilder b;
+  const int texture = b.add_texture(2, 1, {255, 0, 0, 255, 0, 255, 0, 255}, Filter::nearest);
+  for (const int set : {0, 1, 2, 7, 40}) {
+    Primitive p = quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+    for (const std::size_t other : {0, 1, 2, 7, 40}) p.uvs[other].assign(4, vec2(0.25f, 0.5f));
+    p.uvs[static_cast<std::size_t>(set)].assign(4, vec2(0.75f, 0.5f));
+    SceneBuilder one = b;
+    Material m = unlit(vec3(1.0f));
+    m.base_color_texture = slot(texture, set);
+    one.add(p, m);
+    const Film film = shoot(one.build(), dark_environment(), look_at({0, 0, 2}, vec3(0), 0.5f), settings(4, 1, 1));
+    EXPECT_EQ(film.beauty.rgb(2, 2), vec3(0, 1, 0)) << set;
+  }
+}
+
 TEST(unit_path_texture, second_uv_set_is_used_where_the_slot_says_so) {
   SceneBuilder b;
   Material m = unlit(vec3(1.0f));

@@ -127,6 +127,7 @@ TEST(unit_scene, the_ranges_that_formulas_rely_on_are_checked) {
                         {&Material::attenuation_distance, 0},
                         {&Material::dispersion, -1},
                         {&Material::diffuse_transmission, 1.5f},
+                        {&Material::sheet_scatter, 1.5f},
                         {&Material::scatter_anisotropy, -1}}) {
     Scene scene = small_scene();
     scene.materials[0].*c.field = c.wrong;
@@ -157,6 +158,10 @@ TEST(unit_scene, lobes_are_those_that_have_an_effect) {
   EXPECT_EQ(material_lobes(m),
             (Lobes{"metallic-roughness", "conductor", "anisotropy", "iridescence", "clearcoat", "sheen", "transmission",
                    "diffuse transmission", "volume", "scattering", "dispersion"}));
+  // Of a sheet what it transmits may scatter, too.
+  m.thickness = 0, m.sheet_scatter = 0.5f;
+  EXPECT_EQ(material_lobes(m).back(), "scattering");
+  m.thickness = 0.5f, m.sheet_scatter = 0;
   // Nothing that is inside a volume shows when no light enters it.
   m.transmission = m.diffuse_transmission = 0;
   EXPECT_EQ(material_lobes(m).back(), "sheen");
@@ -194,7 +199,7 @@ TEST(unit_scene, a_good_scene_is_valid_and_each_broken_promise_is_found) {
   EXPECT_THAT(broken([&](Scene& s) { s.materials[0].roughness = nan; }), HasSubstr("materials/0: a factor"));
   EXPECT_THAT(broken([](Scene& s) { s.materials[0].emissive_texture.texture = 1; }),
               HasSubstr("the texture does not exist"));
-  EXPECT_THAT(broken([](Scene& s) { s.materials[0].normal_texture.uv_set = 2; }), HasSubstr("uv set"));
+  EXPECT_THAT(broken([](Scene& s) { s.materials[0].normal_texture.uv_set = -1; }), HasSubstr("uv set"));
   EXPECT_THAT(broken([&](Scene& s) { s.materials[0].normal_texture.transform[2].x = nan; }),
               HasSubstr("texture transform"));
   EXPECT_THAT(broken([](Scene& s) { s.textures[0].image = -1; }), HasSubstr("textures/0: the image"));

@@ -80,7 +80,7 @@ TEST(unit_scene_view, cameras_are_known_by_the_number_that_their_file_gives_them
     scene_camera(scene, "1", 1.0f);
     FAIL() << "the file has it, and this scene has not";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "no camera \"1\"; there are 2, 0");
+    EXPECT_STREQ(error.what(), "no camera \"1\" (known: 2, 0)");
   }
   // Of a scene made in memory the place is the number.
   for (Camera& camera : scene.cameras) camera.file_index = -1;
@@ -220,6 +220,21 @@ TEST(unit_scene_view, another_aspect_ratio_shows_more_never_less) {
   EXPECT_FLOAT_EQ(plan(4.0f).ymag, 1.0f);
   EXPECT_FLOAT_EQ(plan(1.0f).xmag, 2.0f);
   EXPECT_FLOAT_EQ(plan(1.0f).ymag, 2.0f);
+}
+
+TEST(unit_scene_view, planes_are_the_cameras_and_framing_has_none) {
+  Scene scene;
+  scene.cameras.emplace_back();
+  scene.cameras[0].near_plane = 0.5f, scene.cameras[0].far_plane = 7.0f;
+  Node& node = scene.nodes.emplace_back();
+  node.camera = 0;
+  node.world_from_node = glm::scale(mat4(1.0f), vec3(3.0f));
+  const View view = scene_camera(scene, node, 1.0f);
+  EXPECT_EQ(view.near_plane, 0.5f) << "metres, whatever the scale of its node";
+  EXPECT_EQ(view.far_plane, 7.0f);
+  EXPECT_TRUE(view.is_clipped());
+  EXPECT_FALSE(frame_box({vec3(-1), vec3(1)}, 1.0f, 0.8f).is_clipped());
+  EXPECT_FALSE(look_at({0, 0, 5}, vec3(0), 0.8f).is_clipped());
 }
 
 TEST(unit_scene_view, a_camera_with_an_f_number_has_a_lens) {

@@ -60,6 +60,23 @@ TEST(unit_scene_visibility, what_is_in_front_of_the_camera_is_seen_and_nothing_e
   EXPECT_FALSE(sees_something(scene, orthographic)) << "behind the camera";
 }
 
+TEST(unit_scene_visibility, what_is_not_between_the_planes_is_not_seen) {
+  const Scene scene = scene_of({cube(1.0f)});
+  View view = look_at({0, 0, 5}, vec3(0), 0.6f), orthographic = view;
+  orthographic.projection = OrthographicCamera{.xmag = 1.5f, .ymag = 1.5f};
+  for (View seen : {view, orthographic}) {
+    const auto sees = [&](float near, float far) {
+      seen.near_plane = near, seen.far_plane = far;
+      return sees_something(scene, seen);
+    };
+    EXPECT_TRUE(sees(0.1f, 100.0f));
+    EXPECT_TRUE(sees(5.0f, 5.1f)) << "the sides of the cube";
+    EXPECT_FALSE(sees(0.1f, 3.0f));
+    EXPECT_FALSE(sees(7.0f, 100.0f));
+    EXPECT_FALSE(sees(7.0f, kInfinity));
+  }
+}
+
 TEST(unit_scene_visibility, a_triangle_counts_where_none_of_its_corners_is_in_the_picture) {
   // A huge triangle around a narrow view; and one whose box fills the view that it passes by.
   Primitive huge;
