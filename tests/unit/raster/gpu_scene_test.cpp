@@ -70,6 +70,21 @@ TEST_F(unit_raster_gpu_scene, what_stays_is_not_uploaded_again) {
   EXPECT_EQ(buffers()[1], before[1]);
 }
 
+TEST_F(unit_raster_gpu_scene, what_is_not_known_to_be_the_same_is_uploaded_and_what_is_hidden_is_not_drawn) {
+  Scene scene = two_quads();
+  GpuScene gpu(scene, shade::shading_model_candela(), diagnostics_);
+  scene.meshes[1].identity = std::make_shared<const char>();
+  scene.meshes[1].primitives[0] = moved(box(vec3(0.0f), vec3(1.0f)), {2, 0, 0});
+  scene.meshes[1].primitives[0].material = 1;
+  gpu.set_scene(scene, diagnostics_);
+  EXPECT_EQ(gpu.primitives()[1].index_count, 36);
+  ASSERT_EQ(gpu.draws().size(), 2u);
+  scene.nodes[0].mesh = -1;
+  gpu.set_scene(scene, diagnostics_);
+  ASSERT_EQ(gpu.draws().size(), 1u);
+  EXPECT_EQ(gpu.draws()[0].node, 1);
+}
+
 TEST_F(unit_raster_gpu_scene, textures_stay_when_others_come_and_go) {
   const Scene rest = two_quads();
   GpuScene gpu(rest, shade::shading_model_candela(), diagnostics_);
