@@ -143,10 +143,11 @@ BakeFormat parse_format(const std::string& text) {
   const auto texture = [](TextureContainer container, TexelFormat format) {
     return BakeFormat{Kind::texture, "", {.container = container, .format = format}};
   };
-  return one_of<BakeFormat, 11>({{{"exr", {}},
+  return one_of<BakeFormat, 12>({{{"exr", {}},
                                   {"hdr", {Kind::faces, ".hdr", {}}},
                                   {"panorama", {Kind::panorama, "", {}}},
                                   {"rgbm", {Kind::rgbm, "", {}}},
+                                  {"gltf", {Kind::gltf, "", {}}},
                                   {"ktx2", texture(TextureContainer::ktx2, TexelFormat::rgba16f)},
                                   {"ktx2-rgba32f", texture(TextureContainer::ktx2, TexelFormat::rgba32f)},
                                   {"ktx2-rgb9e5", texture(TextureContainer::ktx2, TexelFormat::rgb9e5)},
@@ -168,8 +169,8 @@ void add_files(CLI::App* verb, BakeOptions& o) {
       "What an engine reads: filament, three, babylon, khronos, bevy, godot, unreal, unity")
       ->group(group);
   add_value(verb, "--format", "NAME", o.format, parse_format,
-            "exr, hdr (six faces a level), panorama, rgbm, ktx2, ktx2-rgba32f, ktx2-rgb9e5, ktx1, ktx1-rgba16f, dds, "
-            "dds-rgba32f [exr]")
+            "exr, hdr (six faces a level), panorama, rgbm, gltf (EXT_lights_image_based), ktx2, ktx2-rgba32f, "
+            "ktx2-rgb9e5, ktx1, ktx1-rgba16f, dds, dds-rgba32f [exr]")
       ->group(group);
   add_value(verb, "--axes", "AXES", o.axes, parse_axes_option,
             "By which a cube map that is read is looked up, in terms of the world's: -x+y+z is as seen from inside")
@@ -184,7 +185,7 @@ void add_scene(CLI::App* verb, BakeOptions& o) {
   constexpr int kMostSpp = 1 << 20;
   add_value(
       verb, "--from-scene", "SCENE", o.scene, [](const std::string& text) { return text; },
-      "Bake what a point of a scene sees, path traced; ENV lights the scene [studio]")
+      "Bake what a point of a scene sees, path traced; ENV lights the scene [its own image-based light, else studio]")
       ->group("Light");
   add_root(verb, o.root)->group("Light");
   add_scene_choice(verb, o.scene_choice)->group("Light");
@@ -262,7 +263,10 @@ CubeFaces capture(const BakeOptions& o, ProgressLine& progress, std::vector<Diag
   Diagnostics diagnostics;
   const Scene scene = load(o.scene, &diagnostics, LoadOptions{.root = o.root, .scene = o.scene_choice});
   const Environment environment =
-      adjusted(make_environment(o.environment.empty() ? "studio" : o.environment, &diagnostics), o);
+      adjusted(o.environment.empty() && scene.image_light
+                   ? scene.image_light->environment
+                   : make_environment(o.environment.empty() ? "studio" : o.environment, &diagnostics),
+               o);
   warnings.insert(warnings.end(), diagnostics.warnings().begin(), diagnostics.warnings().end());
   path::Settings settings;
   settings.samples = o.spp;
@@ -383,6 +387,7 @@ void check_combinations(const CLI::App& verb, const BakeOptions& o) {
   if (!o.tables) refuse({"--table-size"}, "only with --tables");
   if (o.scene.empty()) refuse({"--spp", "--root", "--scene"}, "only with --from-scene");
   if (!o.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
+  if (o.format.kind == BakeFormat::Kind::gltf) refuse({"--sheen"}, "--format gltf has no levels of the sheen lobe");
   if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");
 }
 
@@ -414,6 +419,16 @@ void follow_profile(const ibl::Profile& profile, BakeOptions& o) {
     o.bake.roughness.push_back(
         static_cast<double>(ibl::roughness_of_level(profile, level, o.bake.levels, o.bake.size)));
   }
+}
+
+/// EXT_lights_image_based: roughness grows evenly with the levels, of which the last is about 16 x 16.
+void follow_gltf(BakeOptions& o) {
+  constexpr int kLevels = 5;
+  if (!o.has_levels) o.bake.levels = kLevels;
+  if (!o.has_mapping) o.bake.mapping = ibl::Mapping::linear;
+  if (o.bake.mapping != ibl::Mapping::linear) throw UsageError("--mapping: --format gltf has linear levels");
+  if ((o.bake.size & (o.bake.size - 1)) != 0) throw UsageError("--size: --format gltf needs a power of two");
+  if (o.bake.sh_order < 2) throw UsageError("--sh-order: --format gltf needs degree 2");
 }
 
 double since(std::chrono::steady_clock::time_point start) {
@@ -478,6 +493,7 @@ void make_bake(BakeOptions& o, const Inputs& inputs, ProgressLine& progress, Bak
 void run_bake(BakeOptions& o) {
   if (!o.compared.empty()) return run_diff(o);
   if (o.profile != nullptr) follow_profile(*o.profile, o);
+  if (o.format.kind == BakeFormat::Kind::gltf) follow_gltf(o);
   check_usage(o);
   check_paths(o);
   const Inputs inputs = inputs_of(o);

@@ -113,6 +113,11 @@ EncodingLoss write_for_engine(const fs::path& folder, const BakeResult& result) 
 EncodingLoss write_plain(const fs::path& folder, const BakeResult& result) {
   EncodingLoss loss;
   if (result.bake) {
+    if (result.format.kind == BakeFormat::Kind::gltf) {
+      loss += write_gltf_light(folder, result);
+      if (result.tables) write_tables(folder, *result.tables);
+      return loss;
+    }
     loss += write_cube(folder, "specular", result.bake->specular, result.format);
     if (!result.bake->sheen.empty()) loss += write_cube(folder, "sheen", result.bake->sheen, result.format);
     loss += write_cube(folder, "irradiance", cube_of_one_level(result.bake->irradiance), result.format);

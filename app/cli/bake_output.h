@@ -19,7 +19,7 @@ namespace candela::cli {
 
 /// How a bake is written where no engine is asked for.
 struct BakeFormat {
-  enum class Kind { faces, panorama, rgbm, texture } kind = Kind::faces;
+  enum class Kind { faces, panorama, rgbm, texture, gltf } kind = Kind::faces;
   std::string extension = ".exr";  ///< of faces
   TextureOptions texture;
 };
@@ -57,6 +57,10 @@ void write_bake(const std::filesystem::path& folder, const Inputs& inputs, const
 
 /// The files themselves, but for bake.json.
 void make_bake_files(const std::filesystem::path& folder, BakeResult& result);
+
+/// `environment.gltf`, whose scene EXT_lights_image_based lights with the bake, and its faces in RGBD. Of three bands
+/// of harmonics or more, the first three.
+EncodingLoss write_gltf_light(const std::filesystem::path& folder, const BakeResult& result);
 
 /// For a person, for a machine, and as one page of HTML with pictures in it.
 std::string bake_text(const BakeResult& result);

@@ -180,6 +180,7 @@ void describe_content(const Scene& scene, const FileSurvey* survey, Json& json, 
   describe_gpu_memory(scene, survey, json, table);
   describe_cameras(scene, json, table);
   describe_lights(scene, json, table);
+  describe_image_light(scene, json, table);
 }
 
 /// The scene of a file, or nothing where an extension that it requires and we lack stands in the way.

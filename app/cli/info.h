@@ -66,6 +66,8 @@ std::vector<int> numbers_of(const std::vector<T>& list) {
 void describe_images(const Scene& scene, const FileSurvey* survey, nlohmann::ordered_json& json, Table& table);
 void describe_cameras(const Scene& scene, nlohmann::ordered_json& json, Table& table);
 void describe_lights(const Scene& scene, nlohmann::ordered_json& json, Table& table);
+/// The light from everywhere that the file brings.
+void describe_image_light(const Scene& scene, nlohmann::ordered_json& json, Table& table);
 void describe_size(const Scene& scene, nlohmann::ordered_json& json, Table& table);
 void describe_gpu_memory(const Scene& scene, const FileSurvey* survey, nlohmann::ordered_json& json, Table& table);
 

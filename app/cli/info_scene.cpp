@@ -286,6 +286,20 @@ void describe_lights(const Scene& scene, Json& json, Table& table) {
   list(table, "lights", lines, numbers);
 }
 
+void describe_image_light(const Scene& scene, Json& json, Table& table) {
+  json["image_light"] = nullptr;
+  if (!scene.image_light) return;
+  const ImageLight& light = *scene.image_light;
+  json["image_light"] = {{"index", light.file_index},
+                         {"name", light.environment.name},
+                         {"size", light.size},
+                         {"levels", light.levels},
+                         {"intensity", light.environment.intensity}};
+  table.row("environment", fmt::format("{}, image-based light {}, a cube of {} x {}, {} level{}, intensity {:.4g}",
+                                       light.environment.name, light.file_index, light.size, light.size, light.levels,
+                                       light.levels == 1 ? "" : "s", light.environment.intensity));
+}
+
 void describe_size(const Scene& scene, Json& json, Table& table) {
   const Box3 bounds = world_bounds(scene);
   json["bounds"] = nullptr;

@@ -253,7 +253,9 @@ void choose_moments(const RenderOptions& o, Job& job, Diagnostics& diagnostics) 
 void prepare(const RenderOptions& o, Shared& shared, Job& job, Diagnostics& diagnostics) {
   choose_moments(o, job, diagnostics);
   job.scene = scene_at(o, job, job.moments_s[0]);
-  job.environment = shared.environment(o.environment.value_or(default_environment(job.scene)), diagnostics);
+  job.environment = !o.environment && job.scene.image_light
+                        ? job.scene.image_light->environment
+                        : shared.environment(o.environment.value_or(default_environment(job.scene)), diagnostics);
   job.environment.rotation += o.environment_rotation;
   job.environment.intensity *= o.environment_intensity;
   job.camera_node = choose_camera(o, job.scene, diagnostics);

@@ -97,7 +97,8 @@ Viewer::Viewer(const ViewOptions& o)
     : options_(o),
       asset_(o.scene, &diagnostics_, LoadOptions{.root = o.root, .scene = o.scene_choice}),
       scene_(asset_.scene()),
-      environment_(make_environment(o.environment.value_or(default_environment(scene_)), &diagnostics_)),
+      environment_(o.environment ? make_environment(*o.environment, &diagnostics_)
+                                 : default_light(scene_, &diagnostics_)),
       bounds_(subject_bounds(scene_)),
       develop_(default_develop(scene_, environment_)),
       window_("candela: " + o.scene, o.size),

@@ -104,6 +104,11 @@ View default_view(const Scene& scene, float aspect, Diagnostics* diagnostics) {
 
 std::string default_environment(const Scene& scene) { return scene.preferred_environment.value_or("studio"); }
 
+Environment default_light(const Scene& scene, Diagnostics* diagnostics) {
+  if (scene.image_light) return scene.image_light->environment;
+  return make_environment(default_environment(scene), diagnostics);
+}
+
 DevelopSettings default_develop(const Scene& scene, const Environment& environment) {
   DevelopSettings settings;
   settings.exposure = scene.preferred_exposure;
@@ -113,13 +118,11 @@ DevelopSettings default_develop(const Scene& scene, const Environment& environme
   return settings;
 }
 
-DevelopSettings default_develop(const Scene& scene) {
-  return default_develop(scene, make_environment(default_environment(scene)));
-}
+DevelopSettings default_develop(const Scene& scene) { return default_develop(scene, default_light(scene)); }
 
 Film render(const Scene& scene, const path::Settings& settings) {
   const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
-  return path::render(scene, make_environment(default_environment(scene)), default_view(scene, aspect), settings);
+  return path::render(scene, default_light(scene), default_view(scene, aspect), settings);
 }
 
 namespace {

@@ -76,13 +76,16 @@ Box3 subject_bounds(const Scene& scene);
 /// The light a scene wishes for, else "studio". A name for make_environment().
 std::string default_environment(const Scene& scene);
 
+/// What a scene is lit by where its user does not say: the light of its own that it brings, else default_environment.
+Environment default_light(const Scene& scene, Diagnostics* diagnostics = nullptr);
+
 /// The exposure a scene wishes for, else the one its environment is made for unless the scene's own lamps outshine it,
 /// else metered from the picture.
 DevelopSettings default_develop(const Scene& scene, const Environment& environment);
-/// The same under default_environment.
+/// The same under default_light.
 DevelopSettings default_develop(const Scene& scene);
 
-/// Renders with default_environment and default_view.
+/// Renders with default_light and default_view.
 Film render(const Scene& scene, const path::Settings& settings = {});
 using path::render;
 

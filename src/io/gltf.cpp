@@ -21,6 +21,7 @@
 #include "io/gltf_areas.h"
 #include "io/gltf_extensions.h"
 #include "io/gltf_files.h"
+#include "io/gltf_image_light.h"
 #include "io/gltf_lights.h"
 #include "io/gltf_material.h"
 #include "io/gltf_material_reader.h"
@@ -167,6 +168,7 @@ struct Kept {
   std::set<int> lost_images;                                  ///< that could not be read
   std::map<MeshKey, KeptMesh> meshes;                         ///< without a skin: the same wherever the nodes are
   std::vector<std::optional<Material>> materials;             ///< by the file's index, as they stand at rest
+  KeptPanoramas panoramas;
 };
 
 class Loader {
@@ -554,6 +556,8 @@ Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* 
   collect_materials(moved, kept);
   read_meshes_and_images(kept);
   read_cameras_and_lights();
+  scene_.image_light = read_image_light(root_, info.scene, buffers_, uris_, options_.decode_images,
+                                        kept != nullptr ? &kept->panoramas : nullptr, warnings_);
   place_nodes();
   update_world_transforms(scene_);
   if (options_.decode_images) validate(scene_);

@@ -18,6 +18,7 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "EXT_camera_physical",
     "EXT_lights_area",
     "EXT_lights_ies",
+    "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_mesh_primitive_restart",
     "EXT_meshopt_compression",

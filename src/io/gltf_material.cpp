@@ -43,25 +43,6 @@ Texture read_texture(const JsonView& root, const JsonView& json, Warnings& warni
   return texture;
 }
 
-ImageSource image_source(const JsonView& json, std::size_t file_index, GltfBuffers& buffers) {
-  ImageSource source{json, json.where(), static_cast<int>(file_index), {}, std::nullopt, std::nullopt};
-  const auto view = json.find("bufferView");
-  const auto uri = json.find("uri");
-  if (view && uri) source.failure = json.error("the image has both a uri and a bufferView");
-  if (!view && !uri) source.failure = json.error("the image has neither a uri nor a bufferView");
-  if (source.failure) return source;
-  std::string name = json.string_or("name");
-  if (uri && !uri->string().starts_with("data:")) name = uri->string();
-  if (!name.empty()) source.label += fmt::format(" ({})", name);
-  source.uri = uri;
-  try {
-    if (view) source.bytes = buffers.view(*view).bytes;
-  } catch (const Error& error) {
-    source.failure = Error(error.message(), source.label);
-  }
-  return source;
-}
-
 /// Replaces the file's texture and image indices by positions among those that are used.
 void gather_textures(const JsonView& root, GltfBuffers& buffers, Warnings& warnings, MaterialSet& set) {
   std::map<int, int> texture_of_file;
@@ -97,6 +78,25 @@ const char* foreign_format(std::span<const std::byte> bytes) {
 }
 
 }  // namespace
+
+ImageSource image_source(const JsonView& json, std::size_t file_index, GltfBuffers& buffers) {
+  ImageSource source{json, json.where(), static_cast<int>(file_index), {}, std::nullopt, std::nullopt};
+  const auto view = json.find("bufferView");
+  const auto uri = json.find("uri");
+  if (view && uri) source.failure = json.error("the image has both a uri and a bufferView");
+  if (!view && !uri) source.failure = json.error("the image has neither a uri nor a bufferView");
+  if (source.failure) return source;
+  std::string name = json.string_or("name");
+  if (uri && !uri->string().starts_with("data:")) name = uri->string();
+  if (!name.empty()) source.label += fmt::format(" ({})", name);
+  source.uri = uri;
+  try {
+    if (view) source.bytes = buffers.view(*view).bytes;
+  } catch (const Error& error) {
+    source.failure = Error(error.message(), source.label);
+  }
+  return source;
+}
 
 std::string image_oddity(const ImageHeader& header) {
   std::string text;

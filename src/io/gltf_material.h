@@ -25,6 +25,9 @@ struct ImageSource {
   std::optional<Error> failure;  ///< why neither can be had
 };
 
+/// Where image `file_index` of the file has its bytes; why not, in ImageSource::failure.
+ImageSource image_source(const JsonView& json, std::size_t file_index, GltfBuffers& buffers);
+
 /// The materials that a scene uses and what they need, renumbered without gaps in the file's order.
 struct MaterialSet {
   std::vector<Material> materials;

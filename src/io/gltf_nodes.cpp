@@ -10,6 +10,21 @@
 
 namespace candela::io {
 
+quat read_rotation(const JsonView& json, Warnings& warnings) {
+  const auto numbers = json.reals(4);
+  double length = 0;
+  for (const float x : numbers) length += double{x} * x;
+  length = std::sqrt(length);
+  if (length == 0) {
+    warnings.warn("a rotation is the zero quaternion; taken as no rotation", json);
+    return quat(1, 0, 0, 0);
+  }
+  // Quantised animations are a little off; beyond a percent it is a mistake worth telling.
+  if (std::fabs(length - 1) > 0.01) warnings.warn("a rotation is no unit quaternion and is normalised", json);
+  const auto unit = [&](std::size_t i) { return static_cast<float>(numbers[i] / length); };
+  return quat(unit(3), unit(0), unit(1), unit(2));
+}
+
 namespace {
 
 bool is_finite(const mat4& m) {
@@ -33,21 +48,6 @@ mat4 read_matrix(const JsonView& json, Warnings& warnings) {
     result[c][3] = affine;
   }
   return result;
-}
-
-quat read_rotation(const JsonView& json, Warnings& warnings) {
-  const auto numbers = json.reals(4);
-  double length = 0;
-  for (const float x : numbers) length += double{x} * x;
-  length = std::sqrt(length);
-  if (length == 0) {
-    warnings.warn("a rotation is the zero quaternion; taken as no rotation", json);
-    return quat(1, 0, 0, 0);
-  }
-  // Quantised animations are a little off; beyond a percent it is a mistake worth telling.
-  if (std::fabs(length - 1) > 0.01) warnings.warn("a rotation is no unit quaternion and is normalised", json);
-  const auto unit = [&](std::size_t i) { return static_cast<float>(numbers[i] / length); };
-  return quat(unit(3), unit(0), unit(1), unit(2));
 }
 
 void read_transform(const JsonView& json, Warnings& warnings, FileNode& node) {

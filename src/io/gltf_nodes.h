@@ -47,6 +47,9 @@ struct FileScene {
   std::vector<FileNode> nodes;  ///< all of the file, in its order
 };
 
+/// A quaternion of the file, of unit length; none is no rotation, with a warning.
+quat read_rotation(const JsonView& json, Warnings& warnings);
+
 /// Names of the file's scenes, empty where one has none.
 std::vector<std::string> read_scene_names(const JsonView& root);
 

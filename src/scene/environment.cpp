@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "image/cube_panorama.h"
 #include "scene/builtin_environment.h"
 
@@ -25,15 +26,6 @@ float parse_sun_elevation(const std::string& name) {
   if (parsed.ec != std::errc() || parsed.ptr != end || !(value >= -5.0f && value <= 90.0f))
     throw Error("the sun's elevation is a number of degrees from -5 to 90", name);
   return value;
-}
-
-/// A panorama of the same energy, with four texels around for each of a face.
-Image panorama_of_cube(const CubeFaces& faces, const std::string& where) {
-  constexpr std::uint64_t kPerTexel = 3 * sizeof(dvec3) + sizeof(vec3);  // what the conversion holds
-  const int width = 4 * faces[0].width;
-  const auto texels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(width / 2);
-  require_memory(texels * kPerTexel, available_memory(), "a cube map as an environment", where);
-  return equirect_from_cube(faces, width);
 }
 
 Image without_alpha(Image image) {
@@ -93,6 +85,34 @@ float map_solid_angle(int row, int width, int height) {
 }
 
 }  // namespace detail
+
+Image panorama_of_cube(const CubeFaces& faces, const std::string& where) {
+  constexpr std::uint64_t kPerTexel = 3 * sizeof(dvec3) + sizeof(vec3);  // what the conversion holds
+  const int width = 4 * faces[0].width;
+  const auto texels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(width / 2);
+  require_memory(texels * kPerTexel, available_memory(), "a cube map as an environment", where);
+  return equirect_from_cube(faces, width);
+}
+
+Image turned_panorama(const Image& map, const quat& world_from_map) {
+  constexpr int kSide = 3;  // points along a texel
+  const quat map_from_world = glm::conjugate(world_from_map);
+  Image result(map.width, map.height, 3);
+  parallel_for(0, static_cast<std::size_t>(map.height), 8, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < map.width; ++x) {
+        vec3 sum(0.0f);
+        for (int i = 0; i < kSide * kSide; ++i) {
+          const float across = static_cast<float>(x) + (static_cast<float>(i % kSide) + 0.5f) / kSide;
+          const float down = static_cast<float>(y) + (static_cast<float>(i / kSide) + 0.5f) / kSide;
+          sum += lookup(map, map_from_world * detail::map_direction(across, down, map.width, map.height));
+        }
+        result.set_rgb(x, y, sum / static_cast<float>(kSide * kSide));
+      }
+    }
+  });
+  return result;
+}
 
 bool is_built_in_environment(const std::string& name) {
   return name == "studio" || name == "sky" || name.starts_with("sky:") || name == "furnace" || name == "none";

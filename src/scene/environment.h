@@ -24,6 +24,13 @@ Environment make_environment(const std::string& name_or_path, Diagnostics* diagn
 /// Whether a name means one of the built-in environments, and no file.
 bool is_built_in_environment(const std::string& name);
 
+/// A panorama of the same energy, with four texels around for each of a face. Throws Error(…, where) where memory does
+/// not suffice.
+Image panorama_of_cube(const CubeFaces& faces, const std::string& where);
+
+/// The panorama with everything in it turned about the origin.
+Image turned_panorama(const Image& map, const quat& world_from_map);
+
 /// Throws Error(…, where) unless `image` is about twice as wide as high, as an equirectangular environment is.
 void check_panorama(const Image& image, const std::string& where);
 

@@ -340,6 +340,14 @@ struct Environment {
   std::optional<float> exposure = {};
 };
 
+/// Light from infinitely far away that a file brings along (EXT_lights_image_based).
+struct ImageLight {
+  Environment environment;  ///< without a map where images are not decoded
+  int size = 0;             ///< texels along a face of its cube
+  int levels = 0;           ///< of the cube in the file; the first, which is not filtered, is read
+  int file_index = -1;
+};
+
 struct Scene {
   std::string name;
   std::vector<Node> nodes;
@@ -351,6 +359,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Light> lights;
   std::vector<IesProfile> ies_profiles;
+  std::optional<ImageLight> image_light;  ///< what lights the scene unless its user says otherwise
   /// What a built-in scene wishes to be lit by and seen through; files leave them empty.
   std::optional<std::string> preferred_environment;
   std::optional<float> preferred_exposure;  ///< factor, as DevelopSettings::exposure

@@ -23,6 +23,7 @@ constexpr auto kDoubtful = std::to_array<Doubtful>({
     {"EXT_camera_physical", "a proposal"},
     {"EXT_lights_area", "a draft"},
     {"EXT_lights_ies", "a multi-vendor extension that few viewers read"},
+    {"EXT_lights_image_based", "a multi-vendor extension that few viewers read"},
     {"EXT_texture_astc", "a draft"},
     {"KHR_materials_diffuse_transmission", "a release candidate, not ratified"},
     {"KHR_materials_pbrSpecularGlossiness", "archived; viewers drop it, and show metallic-roughness instead"},

@@ -179,11 +179,11 @@ TEST(unit_io_gltf, file_info_repeats_what_the_file_says) {
 
 TEST(unit_io_gltf, extensions_are_refused_ignored_or_silent) {
   Builder b = triangle();
-  b.root["extensionsUsed"] = {"EXT_lights_image_based", "KHR_texture_transform", "EXT_lights_image_based"};
-  b.root["scenes"][0]["extensions"]["EXT_lights_image_based"] = {{"light", 0}};
+  b.root["extensionsUsed"] = {"VENDOR_sky", "KHR_texture_transform", "VENDOR_sky"};
+  b.root["scenes"][0]["extensions"]["VENDOR_sky"] = {{"light", 0}};
   const Loaded loaded = load(b);
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_EQ(loaded.warnings[0].message, "EXT_lights_image_based is not supported and will be ignored");
+  EXPECT_EQ(loaded.warnings[0].message, "VENDOR_sky is not supported and will be ignored");
   EXPECT_TRUE(loaded.notes.empty());
   b.root["extensionsRequired"] = {"VENDOR_geometry"};
   EXPECT_THAT(error_of(b), HasSubstr("requires VENDOR_geometry"));

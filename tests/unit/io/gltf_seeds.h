@@ -192,6 +192,18 @@ inline std::vector<Builder> seed_files() {
                                                         {{"attributes", {{"POSITION", positions}}}, {"mode", 1}}});
   seeds.push_back(strips);
 
+  Builder sky = triangle();
+  sky.root["images"] = json::array({{{"bufferView", sky.view(tiny_png())}}});
+  sky.root["extensionsUsed"] = json::array({"EXT_lights_image_based"});
+  sky.root["extensions"]["EXT_lights_image_based"]["lights"] =
+      json::array({{{"rotation", {0.6, 0, 0, 0.8}},
+                    {"intensity", 2},
+                    {"irradianceCoefficients", std::vector(9, std::vector<float>{1, 0, 0})},
+                    {"specularImageSize", 1},
+                    {"specularImages", json::array({std::vector<int>(6, 0)})}}});
+  sky.root["scenes"][0]["extensions"]["EXT_lights_image_based"] = {{"light", 0}};
+  seeds.push_back(sky);
+
   Builder lights = triangle();
   lights.root["extensionsUsed"] = json::array({"KHR_lights_punctual"});
   lights.root["extensions"]["KHR_lights_punctual"]["lights"] =
