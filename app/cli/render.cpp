@@ -256,6 +256,11 @@ void prepare(const RenderOptions& o, Shared& shared, Job& job, Diagnostics& diag
   job.environment = !o.environment && job.scene.image_light
                         ? job.scene.image_light->environment
                         : shared.environment(o.environment.value_or(default_environment(job.scene)), diagnostics);
+  const bool has_more_moments = job.moments_s.size() > 1 || o.shutter_s > 0.0;
+  if (!o.environment && job.scene.image_light && job.is_moving && has_more_moments &&
+      job.asset.moves_image_light(o.animation.value_or(""))) {
+    diagnostics.warn("the image-based light moves, and stands as at the first moment", o.scene);
+  }
   job.environment.rotation += o.environment_rotation;
   job.environment.intensity *= o.environment_intensity;
   job.camera_node = choose_camera(o, job.scene, diagnostics);

@@ -55,6 +55,16 @@ double Asset::duration_s(const std::string& animation) const {
   return longest;
 }
 
+bool Asset::moves_image_light(const std::string& animation) const {
+  if (file_ == nullptr) return false;
+  for (const std::size_t index : file_->find_animations(animation)) {
+    for (const std::string& pointer : file_->info().animations[index].pointers) {
+      if (pointer.starts_with("/extensions/EXT_lights_image_based/")) return true;
+    }
+  }
+  return false;
+}
+
 Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const std::string& variant) {
   return Asset(path_or_demo, diagnostics, variant).scene();
 }

@@ -48,6 +48,8 @@ class Asset {
   Scene scene(const std::optional<Pose>& pose = std::nullopt);
   /// Seconds that the animations of that name last, as Pose::animation names them; 0 where nothing moves.
   double duration_s(const std::string& animation) const;
+  /// Whether such an animation has a pointer to a light of EXT_lights_image_based.
+  bool moves_image_light(const std::string& animation) const;
   bool is_animated() const;
   /// What it is read from: the file and all that it names; none of a built-in scene.
   std::vector<io::ReferencedFile> files() const;

@@ -106,6 +106,23 @@ class ImageLight(CliTest):
         findings = json.loads(self.run_candela("check", "b/ball.gltf", "--json").out)["assets"][0]["findings"]
         self.assertEqual([f["code"] for f in findings if f["subject"] == "EXT_lights_image_based"], ["extension-uncommon"])
 
+    def test_a_light_that_moves_follows_the_moment_and_a_sequence_says_that_it_stands(self):
+        scene = self.lit_ball("furnace")
+        numbers = base64.b64encode(struct.pack("<4f", 0, 1, 1, 0)).decode()
+        scene["buffers"].append({"byteLength": 16, "uri": "data:application/octet-stream;base64," + numbers})
+        scene["bufferViews"] += [{"buffer": 1, "byteLength": 8}, {"buffer": 1, "byteOffset": 8, "byteLength": 8}]
+        scene["accessors"] += [{"bufferView": view, "componentType": 5126, "count": 2, "type": "SCALAR"} for view in (2, 3)]
+        pointer = {"pointer": "/extensions/EXT_lights_image_based/lights/0/intensity"}
+        target = {"path": "pointer", "extensions": {"KHR_animation_pointer": pointer}}
+        scene["animations"] = [{"samplers": [{"input": 2, "output": 3}], "channels": [{"sampler": 0, "target": target}]}]
+        scene["extensions"]["EXT_lights_image_based"]["lights"][0]["intensity"] = 1
+        scene["extensionsUsed"].append("KHR_animation_pointer")
+        (self.folder / "b" / "ball.gltf").write_text(json.dumps(scene))
+        for engine in ("path", "raster"):
+            self.assert_like(self.quadrants("--engine", engine, "--spp", "4", "--frame-time", "1s"), dict.fromkeys(self.quadrants(), 0), 0)
+            told = self.succeeds("render", "b/ball.gltf", *TINY, "-o", "s%d.png", "--sequence", "2", "--engine", engine).err
+            self.assertIn("the image-based light moves, and stands as at the first moment", told)
+
     def test_bad_ones_are_one_line(self):
         def fails(says, change):
             scene = self.lit_ball("furnace")
