@@ -1,6 +1,9 @@
-// Time to decode packed buffer views, filter included, on one thread; bench/meshopt.mjs asks for it beside npm's decoder.
+// Time to decode packed buffer views, filter included, on one thread; bench/meshopt.mjs asks for it beside npm's
+// decoder.
 //
 //   meshopt_time FILE MODE FILTER COUNT STRIDE …        milliseconds, the best of several, a line for each five
+
+#include "io/meshopt.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,7 +14,6 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "io/meshopt.h"
 
 int main(int argc, char** argv) {
   using Clock = std::chrono::steady_clock;

@@ -193,7 +193,7 @@ Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const M
       renderer.begin(view, light_point(frame, settings.frames));
     }
     Stopwatch drawing;
-    renderer.draw(view, jitter, lens, frame);
+    renderer.draw(view, jitter, lens, frame + 1);
     glFinish();
     s.draw_s += drawing.lap();
     const Image picture = renderer.read();

@@ -38,7 +38,7 @@ class Renderer {
   void begin(const View& view, LightPoint point = LightPoint(0.5f));
   bool has_extended_lights() const;
   /// Draws one frame of the view that begin() was given; see frame_camera for `jitter` and `aperture`. `frame`, its
-  /// number within the picture, turns the noise of what is spread over the frames.
+  /// number within the picture from 1, turns the noise of what is spread over the frames.
   void draw(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f), int frame = 0);
   /// The last frame: linear, 4 channels, premultiplied, row 0 at the top.
   Image read();

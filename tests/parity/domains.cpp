@@ -136,6 +136,7 @@ const std::vector<Row>& rows() {
       {"layers_scatters_through:s/*p.lobes", lobes(shade::kLobeTransmission)},
       {"terms_diffuse_shape:s/*p.lobes", lobes(shade::kLobeModel)},
       {"layers_*glass*:s/*p.metallic", uniform(0.0f, 0.9f)},
+      {"layers_*glass*:s/*p.scatter", uniform(0.0f, 0.9f)},
       {"layers_*glass*:s/*p.transmission", uniform(0.05f, 1.0f)},
       {"terms_*:s/*p.lobes", lobes(shade::kLobeModel)},
       {"terms_dv:s/*p.roughness", uniform(0.05f, 1.0f)},  // a mirror has no facets to ask for
