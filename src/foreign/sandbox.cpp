@@ -63,7 +63,7 @@ void limit(int resource, std::uint64_t value) {
 }
 
 /// The address space that the process has now, which a limit counts too.
-std::uint64_t address_space() {
+[[maybe_unused]] std::uint64_t address_space() {
   std::ifstream file("/proc/self/statm");
   std::uint64_t pages = 0;
   file >> pages;
