@@ -31,6 +31,7 @@ std::vector<const Key*> rising(const Key* keys, unsigned count) {
 template <class Key>
 std::vector<float> seconds(const std::vector<const Key*>& keys, double ticks_per_second, double start) {
   std::vector<float> result;
+  result.reserve(keys.size());
   for (const Key* key : keys) result.push_back(static_cast<float>((key->mTime - start) / ticks_per_second));
   return result;
 }
@@ -130,6 +131,7 @@ void SceneWriter::write_channels(const aiNodeAnim& channel, double ticks_per_sec
     const auto kept = rising(keys, count);
     if (kept.empty()) return;
     std::vector<vec3> values;
+    values.reserve(kept.size());
     for (const aiVectorKey* key : kept) values.emplace_back(key->mValue.x, key->mValue.y, key->mValue.z);
     const std::size_t input = draft_.add_times(seconds(kept, ticks_per_second, start));
     add_channel(animation, moved, path, input, draft_.add_vectors(std::span<const vec3>(values)));

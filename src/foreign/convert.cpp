@@ -45,6 +45,7 @@ namespace {
     append(glb, data, size);
   };
   chunk("JSON", text.data(), text.size());
+  // NOLINTNEXTLINE(bugprone-string-literal-with-embedded-nul): the name of the chunk has one
   chunk("BIN\0", draft.buffer.data(), draft.buffer.size());
   return glb;
 }

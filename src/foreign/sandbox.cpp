@@ -29,7 +29,7 @@ namespace candela::foreign {
 
 namespace {
 
-enum ExitCode : int { kDone = 0, kFailed = 3, kOutOfMemory = 4, kCannotWrite = 5 };
+enum ExitCode : int { exit_done = 0, exit_failed = 3, exit_out_of_memory = 4, exit_cannot_write = 5 };
 
 /// A file descriptor that closes itself.
 class Descriptor {
@@ -82,17 +82,17 @@ void limit(int resource, std::uint64_t value) {
 #ifndef CANDELA_SHADOW_MEMORY
   if (const std::uint64_t now = address_space(); now > 0) limit(RLIMIT_AS, now + limits.memory_bytes);
 #endif
-  int code = kDone;
+  int code = exit_done;
   try {
-    if (!write_all(out, work())) code = kCannotWrite;
+    if (!write_all(out, work())) code = exit_cannot_write;
   } catch (const std::bad_alloc&) {
-    code = kOutOfMemory;
+    code = exit_out_of_memory;
   } catch (const std::exception& error) {
     const std::string_view text = error.what();
     write_all(out, std::as_bytes(std::span(text)));
-    code = kFailed;
+    code = exit_failed;
   } catch (...) {
-    code = kFailed;
+    code = exit_failed;
   }
   ::_exit(code);  // what the parent would do at its end is not the child's
 }
@@ -147,11 +147,11 @@ std::vector<std::byte> run_apart(const std::function<std::vector<std::byte>()>& 
   }
   std::vector<std::byte> bytes = content(out.get(), where);
   switch (WEXITSTATUS(status)) {
-    case kDone:
+    case exit_done:
       return bytes;
-    case kFailed:
+    case exit_failed:
       throw Error(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), where);
-    case kOutOfMemory:
+    case exit_out_of_memory:
       throw Error("reading it takes too much memory", where);
     default:
       throw Error("damaged: its reader gave up", where);

@@ -29,6 +29,7 @@ void each_batch(std::size_t count, std::uint8_t* data, const F& f) {
     const std::size_t bytes = std::min(count - first, kBatch) * 4 * sizeof(T);
     std::memcpy(elements.data(), here, bytes);
     for (std::size_t i = 0; i < kBatch; ++i) {
+      // NOLINTNEXTLINE(bugprone-signed-char-misuse): bytes here are numbers with a sign
       for (std::size_t k = 0; k < 4; ++k) v[k][i] = static_cast<int>(elements[4 * i + k]);
     }
     f(v);

@@ -158,7 +158,7 @@ bool SceneFiles::leaves_folder(const std::string& name) const {
 
 /// The name in the archive. Throws Error where it leads out of it.
 std::string SceneFiles::entry(const std::string& name) const {
-  const std::string whole = (fs::path(archive_folder_) / name).lexically_normal().generic_string();
+  std::string whole = (fs::path(archive_folder_) / name).lexically_normal().generic_string();
   if (whole == ".." || whole.starts_with("../") || whole.starts_with('/')) {
     throw Error("leads out of the archive, where all files of its scene must be");
   }
@@ -167,7 +167,7 @@ std::string SceneFiles::entry(const std::string& name) const {
 
 /// Throws Error where it is not allowed. What was looked at is what is read: a path without links.
 fs::path SceneFiles::allowed_path(const std::string& name) const {
-  const fs::path whole = folder_ / name;
+  fs::path whole = folder_ / name;
   if (root_.empty()) return whole;
   fs::path real = without_links(whole);
   if (!is_inside(real, root_)) {
