@@ -22,6 +22,7 @@
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "image/image_file.h"
+#include "path/statistics.h"
 #include "raster/image_light.h"
 
 namespace candela::cli {
@@ -383,7 +384,7 @@ Film trace_moving(const RenderOptions& o, Job& job, std::size_t index, const pat
     accumulate(film, 1.0f, sum);
     ++moments;
     samples_per_pixel += one.mean_samples_per_pixel;
-    add(one, statistics);
+    add_work(one, statistics);
     ++settings.seed;
   }
   statistics.mean_samples_per_pixel = samples_per_pixel;
@@ -503,7 +504,8 @@ Outcome trace_all(const RenderOptions& o, Job& job, int threads, Times& times, c
     path::Statistics of_picture;
     Film film = trace(o, job, index, progress, of_picture);
     film.metadata.merge(metadata(o, job, of_picture.mean_samples_per_pixel));
-    add(of_picture, statistics);
+    add_work(of_picture, statistics);
+    statistics.mean_samples_per_pixel = of_picture.mean_samples_per_pixel;
 
     const Stopwatch writing;
     const std::vector<fs::path> outputs = outputs_of(o, index);

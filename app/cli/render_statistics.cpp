@@ -37,25 +37,6 @@ nlohmann::ordered_json noise_json(const RenderOptions& o, const path::Statistics
 
 }  // namespace
 
-void add(const path::Statistics& picture, path::Statistics& all) {
-  all.build_s += picture.build_s;
-  all.render_s += picture.render_s;
-  all.samples += picture.samples;
-  all.camera_rays += picture.camera_rays;
-  all.bounce_rays += picture.bounce_rays;
-  all.shadow_rays += picture.shadow_rays;
-  all.non_finite_samples += picture.non_finite_samples;
-  all.triangles = picture.triangles;
-  all.instances = picture.instances;
-  all.mean_samples_per_pixel = picture.mean_samples_per_pixel;
-  all.interrupted |= picture.interrupted;
-  all.timed_out |= picture.timed_out;
-  if (!picture.noise) return;
-  if (!all.noise) all.noise.emplace();
-  all.noise->share_above = std::max(all.noise->share_above, picture.noise->share_above);
-  all.noise->worst = std::max(all.noise->worst, picture.noise->worst);
-}
-
 void warn_of_noise(const RenderOptions& o, const path::Statistics& s, Diagnostics& diagnostics) {
   if (!s.noise || s.noise->share_above <= 0.0) return;
   const std::string why = s.interrupted ? "the interruption"

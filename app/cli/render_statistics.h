@@ -16,9 +16,6 @@ struct Times {
   double total_s = 0.0;
 };
 
-/// Adds the work of one picture to that of all.
-void add(const path::Statistics& picture, path::Statistics& all);
-
 /// A picture that is noisier than was asked for does not show it by itself.
 void warn_of_noise(const RenderOptions& options, const path::Statistics& statistics, Diagnostics& diagnostics);
 

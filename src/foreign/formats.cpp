@@ -6,18 +6,14 @@
 #include <cstring>
 #include <utility>
 
+#include "foreign/little_endian.h"
+
 namespace candela::foreign {
 
 namespace {
 
 std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::uint32_t little_endian(std::span<const std::byte> bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
-  return value;
 }
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
@@ -41,7 +37,7 @@ bool is_text(std::string_view head) {
 bool is_binary_stl(std::span<const std::byte> bytes) {
   constexpr std::size_t kHeader = 84, kTriangle = 50;
   if (bytes.size() < kHeader) return false;
-  const std::uint64_t needed = kHeader + std::uint64_t{kTriangle} * little_endian(bytes, 80);
+  const std::uint64_t needed = kHeader + std::uint64_t{kTriangle} * little_endian(text_of(bytes), 80);
   return needed > kHeader && needed == bytes.size();
 }
 
@@ -50,7 +46,7 @@ bool is_3ds(std::span<const std::byte> bytes) {
   if (bytes.size() < 12 || bytes[0] != std::byte{0x4D} || bytes[1] != std::byte{0x4D}) return false;
   const auto child = std::to_integer<unsigned>(bytes[6]) | std::to_integer<unsigned>(bytes[7]) << 8;
   constexpr unsigned kVersion = 0x0002, kEditor = 0x3D3D, kKeyFramer = 0xB000;
-  return little_endian(bytes, 2) >= 12 && (child == kVersion || child == kEditor || child == kKeyFramer);
+  return little_endian(text_of(bytes), 2) >= 12 && (child == kVersion || child == kEditor || child == kKeyFramer);
 }
 
 /// A zip whose list of contents, at its end, has a 3-D model of the Open Packaging Conventions.

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "foreign/little_endian.h"
 
 namespace candela::foreign {
 
@@ -26,14 +27,6 @@ void check_ply(std::string_view text, const std::string& where) {
       throw Error(fmt::format("damaged: the header claims {} elements", number.substr(0, 30)), where);
     }
   }
-}
-
-std::uint32_t little_endian(std::string_view text, std::size_t at, std::size_t count = 4) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    value |= std::uint32_t{static_cast<unsigned char>(text[at + i])} << (8 * i);
-  }
-  return value;
 }
 
 /// What all files of a zip hold, by its list of contents.

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "foreign/little_endian.h"
+
 namespace candela::foreign {
 
 mat4 matrix_of(const aiMatrix4x4& m) {
@@ -67,12 +69,6 @@ std::string unit_of_model(std::string_view xml) {
     return std::string(rest.substr(0, rest.find(quote)));
   }
   return {};
-}
-
-std::uint32_t little_endian(std::string_view text, std::size_t at, std::size_t count) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < count; ++i) value |= std::uint32_t{static_cast<unsigned char>(text[at + i])} << (8 * i);
-  return value;
 }
 
 /// The first bytes of what a zip holds at `offset`, stored or deflated. PKWARE, "APPNOTE.TXT - .ZIP File Format

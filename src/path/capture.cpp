@@ -1,6 +1,7 @@
 #include "path/capture.h"
 
 #include "math/hash.h"
+#include "path/statistics.h"
 #include "shade/cube.glsl.h"
 
 namespace candela::path {
@@ -48,20 +49,6 @@ Callbacks face_callbacks(const Callbacks& callbacks, int face, double seconds_be
   return c;
 }
 
-void add(Statistics& total, const Statistics& face) {
-  total.build_s += face.build_s;
-  total.render_s += face.render_s;
-  total.samples += face.samples;
-  total.camera_rays += face.camera_rays;
-  total.bounce_rays += face.bounce_rays;
-  total.shadow_rays += face.shadow_rays;
-  total.non_finite_samples += face.non_finite_samples;
-  total.triangles = face.triangles;
-  total.instances = face.instances;
-  total.mean_samples_per_pixel += face.mean_samples_per_pixel / kFaces;
-  total.interrupted = total.interrupted || face.interrupted;
-}
-
 }  // namespace
 
 Cubemap capture_environment(const Scene& scene, const Environment& environment, vec3 position, int size,
@@ -78,7 +65,8 @@ Cubemap capture_environment(const Scene& scene, const Environment& environment, 
     Image& image = cube.levels[0][static_cast<std::size_t>(face)];
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) image.set_rgb(x, y, film.beauty.rgb(x, y));
-    add(total, of_face);
+    add_work(of_face, total);
+    total.mean_samples_per_pixel += of_face.mean_samples_per_pixel / kFaces;
   }
   if (statistics != nullptr) *statistics = total;
   return cube;
