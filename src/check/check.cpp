@@ -53,6 +53,7 @@ std::vector<Finding> check_asset(const CheckInput& input) {
   check_volumes(input.scene, findings);
   StopScope::check();
   check_lights(input.scene, findings);
+  check_image_light(input, findings);
   std::stable_sort(findings.begin(), findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
   return findings;
