@@ -24,7 +24,7 @@ ALLOWED = {
     "gl": {"math", "base"},
     "raster": {"gl", "ibl", "scene", "shade", "image", "math", "base"},
     "study": {"raster", "ibl", "path", "io", "scene", "shade", "image", "math", "base"},
-    "candela": {"raster", "path", "io", "scene", "image", "math", "base"},
+    "candela": {"study", "raster", "ibl", "path", "io", "scene", "shade", "image", "math", "base"},
 }
 
 # Third-party headers by prefix, and the folders that wrap them. Only what is in PUBLIC may stand in a header of src/
