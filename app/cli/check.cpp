@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using study::Finding;
-using study::Severity;
+using check::Finding;
+using check::Severity;
 
 std::vector<std::string> scenes_of(const std::vector<std::string>& names) {
   std::vector<std::string> result;

@@ -16,6 +16,7 @@
 #include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "content/make_environment.h"
 #include "gl/window.h"
 #include "raster/renderer.h"
 #include "scene/environment.h"

@@ -15,8 +15,8 @@
 namespace candela {
 
 namespace fs = std::filesystem;
-using study::Finding;
-using study::Severity;
+using check::Finding;
+using check::Severity;
 
 std::size_t Verdict::count(Severity severity) const {
   return static_cast<std::size_t>(std::count_if(
@@ -37,8 +37,8 @@ std::vector<NamedFinding> named(const Scene& scene, const FileSurvey* survey, st
   std::vector<NamedFinding> result;
   result.reserve(findings.size());
   for (Finding& f : findings) {
-    std::string material = f.material < 0 ? "" : study::material_label(scene, f.material);
-    std::string texture = f.texture < 0 ? "" : study::texture_label(scene, f.texture, survey);
+    std::string material = f.material < 0 ? "" : check::material_label(scene, f.material);
+    std::string texture = f.texture < 0 ? "" : check::texture_label(scene, f.texture, survey);
     // From here on people read it: their numbers are the file's.
     if (f.material >= 0) f.material = number_of(scene.materials, static_cast<std::size_t>(f.material));
     if (f.texture >= 0) f.texture = number_of(scene.textures, static_cast<std::size_t>(f.texture));
@@ -47,8 +47,8 @@ std::vector<NamedFinding> named(const Scene& scene, const FileSurvey* survey, st
   return result;
 }
 
-Verdict verdict_of(const std::string& name, const study::CheckInput& input, const Job& job) {
-  return {name, std::nullopt, named(input.scene, input.survey, study::check_asset(input, job)),
+Verdict verdict_of(const std::string& name, const check::CheckInput& input, const Job& job) {
+  return {name, std::nullopt, named(input.scene, input.survey, check::check_asset(input, job)),
           input.scene.materials.size(), triangles_of(input.scene)};
 }
 
@@ -58,7 +58,7 @@ std::vector<NamedFinding> causes(const std::string& name, const LoadOptions& opt
   try {
     const FileSurvey survey = io::survey_gltf(
         name, {.read_geometry = false, .decode_images = true, .root = options.root, .scene = options.scene});
-    for (Finding& f : study::check_images(survey)) result.push_back({std::move(f), {}, {}});
+    for (Finding& f : check::check_images(survey)) result.push_back({std::move(f), {}, {}});
   } catch (const Error&) {
     // The file itself is damaged, as `error` says.
   }
@@ -80,7 +80,7 @@ void add_variant(const std::string& name, LoadOptions options, const std::string
   const auto key = [](const NamedFinding& t) { return t.finding.code + '\n' + t.material + '\n' + t.finding.message; };
   std::set<std::string> known;
   for (const NamedFinding& t : verdict.findings) known.insert(key(t));
-  for (NamedFinding& own : named(scene, nullptr, study::check_asset({.scene = scene}))) {
+  for (NamedFinding& own : named(scene, nullptr, check::check_asset({.scene = scene}))) {
     if (known.contains(key(own))) continue;
     own.finding.subject += (own.finding.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
     verdict.findings.push_back(std::move(own));

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "candela/candela.h"
-#include "study/check.h"
+#include "check/check.h"
 
 namespace candela {
 
 /// A finding, and the names of what it is about; empty where it is about no such thing. Its numbers are the file's.
 struct NamedFinding {
-  study::Finding finding;
+  check::Finding finding;
   std::string material, texture;
 };
 
@@ -25,7 +25,7 @@ struct Verdict {
   std::size_t material_count = 0;
   std::size_t triangle_count = 0;
 
-  std::size_t count(study::Severity severity) const;
+  std::size_t count(check::Severity severity) const;
 };
 
 /// Judges a file with all its variants, or "demo:NAME". One that cannot be read has a verdict, too: what keeps it from
