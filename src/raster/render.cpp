@@ -207,15 +207,26 @@ class Drawer::Impl {
     validate(*scene_);
     if (device_ == nullptr) device_ = std::make_shared<Device>();
   }
+  ~Impl() {
+    if (renderer_ == nullptr) return;
+    // What the driver holds is given back to its own context.
+    device().context->make_current();
+    renderer_.reset();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
   void set_probes(std::vector<Probe> probes) {
     probes_ = std::move(probes);
-    if (renderer_ != nullptr) renderer_->set_probes(probes_);
+    if (renderer_ == nullptr) return;
+    use_device();
+    renderer_->set_probes(probes_);
   }
 
   void set_scene(std::shared_ptr<const Scene> scene) {
     validate(*scene);
     if (renderer_ != nullptr) {
+      use_device();
       renderer_->set_scene(*scene);
       if (renderer_->lacks_sheen_light()) {
         device().bake(environment_, true, settings_.cache);
@@ -229,6 +240,9 @@ class Drawer::Impl {
 
  private:
   Device::Parts& device() { return *device_->parts_; }
+  void use_device() {
+    if (!device().context->make_current()) throw Error("a device of another thread cannot draw here");
+  }
   void give_light() {
     const BakedLight& light = device().light;
     renderer_->set_light(settings_.ambient == Ambient::baked ? light : simplified(light, settings_.ambient));
@@ -352,6 +366,7 @@ Film Drawer::Impl::render(View view, const MomentOf& moment, const Settings& set
     set_scene(first.scene);
   }
   check(view);
+  use_device();
   s = {};
   s.driver = device().context->renderer();
   s.open_s = std::exchange(device().open_s, 0.0);

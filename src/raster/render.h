@@ -76,7 +76,7 @@ struct Moment {
 using MomentOf = std::function<Moment(int frame)>;
 
 /// An OpenGL context, and the environment that was baked last: many scenes pay for them once. To be used on the thread
-/// that made it.
+/// that made it, where there may be several.
 class Device {
  public:
   /// Throws Error where there is no OpenGL.
