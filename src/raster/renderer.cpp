@@ -107,14 +107,14 @@ gl::Texture upload_panorama(const Image* map) {
 
 }  // namespace
 
-Renderer::Renderer(const Scene& scene, const Environment& environment, const Settings& settings,
-                   Diagnostics& diagnostics)
+Renderer::Renderer(const Scene& scene, const Environment& environment, const shade::ShadingModel& shading,
+                   const Settings& settings, Diagnostics& diagnostics)
     : scene_(&scene),
       environment_(environment),
       settings_(settings),
       diagnostics_(diagnostics),
-      programs_(settings.shading, settings.shader_folder, settings.most_textures),
-      gpu_(scene, settings.shading, diagnostics),
+      programs_(shading, settings.shader_folder, settings.most_textures),
+      gpu_(scene, shading, diagnostics),
       expects_light_(is_lit_from_far(environment)) {
   if (!gl::has_extension("GL_EXT_color_buffer_float") && !gl::has_extension("GL_EXT_color_buffer_half_float")) {
     throw Error("the driver cannot draw into floating-point pictures (GL_EXT_color_buffer_float)");
