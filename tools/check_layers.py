@@ -33,7 +33,7 @@ FOLDERS = {
     "raster": ("the real-time renderer", "gl ibl scene image math base shade"),
     "laws": ("the table of surfaces, what is true of every BSDF as numbers, the furnace sheet",
              "scene image math base shade"),
-    "check": ("the judgement of assets", "path scene image math base shade"),
+    "check": ("the judgement of assets", "path ibl scene image math base shade"),
     "figures": ("the figures of the field and their pages", "laws raster path ibl content scene image math base shade"),
     "candela": ("the front door of the library: `load`, `render`, `default_view`; recipes: shots, light to bake, verdicts",
                 "check raster path ibl io content scene image math base shade"),

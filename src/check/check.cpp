@@ -61,6 +61,7 @@ std::vector<Finding> check_asset(const CheckInput& input, const Job& job) {
   check_volumes(scene, findings);
   begin(5, "lights");
   check_lights(scene, findings);
+  check_image_light(input, findings);
   std::stable_sort(findings.begin(), findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
   return findings;

@@ -16,6 +16,8 @@ void check_normal_maps(const Scene& scene, const std::vector<MaterialSurface>& s
                        std::vector<Finding>& findings);
 void check_volumes(const Scene& scene, std::vector<Finding>& findings);
 void check_lights(const Scene& scene, std::vector<Finding>& findings);
+/// Light of EXT_lights_image_based, said twice.
+void check_image_light(const CheckInput& input, std::vector<Finding>& findings);
 void check_file(const CheckInput& input, std::vector<Finding>& findings);
 
 }  // namespace candela::check

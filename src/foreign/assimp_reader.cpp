@@ -19,6 +19,7 @@
 #include "foreign/guard.h"
 #include "foreign/material_writer.h"
 #include "foreign/mtl.h"
+#include "foreign/old_pictures.h"
 #include "foreign/units.h"
 #include "image/image_file.h"
 
@@ -74,10 +75,16 @@ std::optional<unsigned> embedded_index(const aiScene& scene, std::string_view na
   return index;
 }
 
+/// A picture that no glTF holds, as one that it may.
+Json as_png(const TextureImage& image, Draft& draft) {
+  return {{"bufferView", draft.add_view(encode_png(image))}, {"mimeType", "image/png"}};
+}
+
 /// A texture that stands in the file: the bytes of a picture, or plain texels.
 Json embedded_picture(const aiTexture& texture, Draft& draft) {
   if (texture.mHeight == 0) {
     const auto bytes = std::as_bytes(std::span(reinterpret_cast<const char*>(texture.pcData), texture.mWidth));
+    if (const auto old = decode_old_picture(bytes, "a texture in the file")) return as_png(*old, draft);
     return {{"bufferView", draft.add_view(bytes)}, {"mimeType", mime_type(bytes)}};
   }
   TextureImage image{static_cast<int>(texture.mWidth), static_cast<int>(texture.mHeight), 8, true, {}};
@@ -86,7 +93,7 @@ Json embedded_picture(const aiTexture& texture, Draft& draft) {
   for (const aiTexel& texel : std::span(texture.pcData, count)) {
     image.pixels.insert(image.pixels.end(), {texel.r, texel.g, texel.b, texel.a});
   }
-  return {{"bufferView", draft.add_view(encode_png(image))}, {"mimeType", "image/png"}};
+  return as_png(image, draft);
 }
 
 /// Makes the materials, and knows which one a mesh has.
@@ -94,24 +101,55 @@ class Materials {
  public:
   Materials(const aiScene& scene, Draft& draft, const Surroundings& around, Format format)
       : scene_(scene), draft_(draft), around_(around), format_(format), writer_(draft, [this](const std::string& file) {
-          if (const auto index = embedded_index(scene_, file))
-            return embedded_picture(*scene_.mTextures[*index], draft_);
-          const std::string name = find_reference(around_, file);
-          return Json{{"uri", uri_of(name)}, {"name", name}};
+          return pictures_.at(file);
         }) {}
 
   std::vector<int> of_meshes(const std::vector<Look>& library);
 
  private:
   int add(const aiMesh& mesh, const std::vector<Look>& library);
+  Json picture(const std::string& file);
+  /// Reads or finds the pictures of its maps; a map whose picture is broken is left out, with a warning.
+  void find_pictures(Look& look);
 
   const aiScene& scene_;
   Draft& draft_;
   const Surroundings& around_;
   Format format_;
   MaterialWriter writer_;
+  std::map<std::string, Json> pictures_;            ///< by what maps name; null = broken
   std::map<std::pair<unsigned, bool>, int> known_;  ///< by number, and whether it stands for no material on colours
 };
+
+Json Materials::picture(const std::string& file) {
+  if (const auto index = embedded_index(scene_, file)) return embedded_picture(*scene_.mTextures[*index], draft_);
+  const std::string name = find_reference(around_, file);
+  if (around_.has(name)) {
+    const std::vector<std::byte> bytes = around_.read(name);
+    if (const auto old = decode_old_picture(bytes, name)) {
+      draft_.read.push_back(name);
+      Json image = as_png(*old, draft_);
+      image["name"] = name;
+      return image;
+    }
+  }
+  return {{"uri", uri_of(name)}, {"name", name}};
+}
+
+void Materials::find_pictures(Look& look) {
+  for (Map* map : look.maps()) {
+    if (!*map) continue;
+    const auto [found, is_new] = pictures_.try_emplace(map->file);
+    if (is_new) {
+      try {
+        found->second = picture(map->file);
+      } catch (const Error& error) {
+        draft_.diagnostics.warn(error.message() + "; shown without it", error.where());
+      }
+    }
+    if (found->second.is_null()) *map = {};
+  }
+}
 
 int Materials::add(const aiMesh& mesh, const std::vector<Look>& library) {
   const bool has_colors = mesh.mColors[0] != nullptr;
@@ -129,6 +167,7 @@ int Materials::add(const aiMesh& mesh, const std::vector<Look>& library) {
               : defined != library.end() ? *defined
                                          : look_of(scene_, material, format_);
   if (look.name.empty() && name != AI_DEFAULT_MATERIAL_NAME) look.name = name;
+  find_pictures(look);
   found->second = static_cast<int>(writer_.add(look));
   return found->second;
 }
@@ -155,11 +194,8 @@ std::vector<Look> read_libraries(std::string_view obj, const Surroundings& aroun
       const std::string folder = found.substr(0, found.find_last_of('/') + 1);
       if (!folder.empty()) {
         for (Look& look : own) {
-          for (Map Look::*map : {&Look::color_map, &Look::opacity_map, &Look::specular_map, &Look::emission_map,
-                                 &Look::roughness_map, &Look::metallic_map, &Look::packed_map, &Look::normal_map,
-                                 &Look::bump_map, &Look::sheen_map, &Look::clearcoat_map}) {
-            Map& one = look.*map;
-            if (one && around.has(find_reference(around, folder + one.file))) one.file = folder + one.file;
+          for (Map* map : look.maps()) {
+            if (*map && around.has(find_reference(around, folder + map->file))) map->file = folder + map->file;
           }
         }
       }

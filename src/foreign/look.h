@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,11 @@ struct Look {
   Map roughness_map, metallic_map, packed_map;  ///< `packed_map`: G roughness, B metallic, as glTF
   Map normal_map, bump_map, occlusion_map, sheen_map, clearcoat_map;
   std::vector<std::string> unused;  ///< what it says beside and nobody draws
+
+  std::array<Map*, 12> maps() {
+    return {&color_map,  &opacity_map, &specular_map, &emission_map,  &roughness_map, &metallic_map,
+            &packed_map, &normal_map,  &bump_map,     &occlusion_map, &sheen_map,     &clearcoat_map};
+  }
 
   bool is_physical() const { return roughness || metallic || roughness_map || metallic_map || packed_map; }
 };

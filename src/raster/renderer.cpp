@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "ibl/source.h"
 #include "raster/body.h"
+#include "scene/environment.h"
 #include "scene/surface_params.h"
 #include "shade/surface_params.glsl.h"
 #include "shade/tables.glsl.h"
@@ -585,16 +585,13 @@ void Renderer::draw_background(const FrameCamera& camera) {
   };
   const vec3 ray = ray_through(0, 0), ray_x = ray_through(1, 0) - ray, ray_y = ray_through(0, 1) - ray;
   constexpr std::size_t kMostSuns = 4;
+  constexpr float kMostRadiance = 60000.0f;  // of the 65504 of a half float, which the sky behind it needs too
   std::vector<vec4> directions;
   std::vector<vec3> radiances;
-  if (!environment_.suns.empty()) {
-    Environment suns = environment_;
-    suns.map = nullptr;
-    for (const SunDisc& sun : ibl::make_source(suns).suns) {
-      if (directions.size() == kMostSuns) break;
-      directions.emplace_back(in_environment(sun.direction), std::cos(sun.angular_radius));
-      radiances.push_back(glm::min(sun.radiance, vec3(60000.0f)));
-    }
+  for (const SunDisc& sun : world_suns(environment_)) {
+    if (directions.size() == kMostSuns) break;
+    directions.emplace_back(in_environment(sun.direction), std::cos(sun.angular_radius));
+    radiances.push_back(glm::min(sun.radiance, vec3(kMostRadiance)));
   }
   const auto sun_count = static_cast<GLsizei>(directions.size());
   const bool has_map = environment_.map != nullptr || environment_.backdrop != nullptr;

@@ -405,6 +405,28 @@ class Damage(ForeignTest):
         self.write("bomb.3mf", bytes(data))
         self.fails("info", "bomb.3mf", says="unpacks to")
 
+    def test_textures_in_tga_and_bmp_are_those_in_png(self):
+        # A column of red and one of blue, two rows; rows of a BMP end at four bytes, and both formats begin below.
+        rows = b"\0\0\xff\xff\0\0"
+        tga = struct.pack("<BBBHHBHHHHBB", 0, 0, 2, 0, 0, 0, 0, 0, 2, 2, 24, 0) + 2 * rows
+        bmp = struct.pack("<2sIIIIiiHHIIiiII", b"BM", 70, 0, 54, 40, 2, 2, 1, 24, 0, 16, 0, 0, 0, 0) + 2 * (rows + b"\0\0")
+        files = {"w.png": png(2, 2, lambda x, y: ((255, 0, 0, 255), (0, 0, 255, 255))[x]), "w.tga": tga, "w.bmp": bmp}
+        pictures = {}
+        for name, content in files.items():
+            self.write(name, content)
+            self.write("a.mtl", f"newmtl w\nmap_Kd {name}\nmap_Pr {name}\nmap_Pm {name}\n")
+            self.write("a.obj", obj("w", uvs=((0, 0), (1, 0), (0, 1), (1, 1))))
+            self.assertEqual(self.info("a.obj")["warnings"], [], name)
+            self.succeeds("render", "a.obj", "-o", "a.png", "--size", "24x16", "--spp", "16")
+            pictures[name] = (self.folder / "a.png").read_bytes()
+        self.assertEqual(pictures["w.tga"], pictures["w.png"])
+        self.assertEqual(pictures["w.bmp"], pictures["w.png"])
+        self.write("w.tga", tga[:-1])
+        self.write("a.mtl", "newmtl w\nmap_Kd w.tga\n")
+        (told,) = self.info("a.obj")["warnings"]
+        self.assertEqual(told, "w.tga: a TGA that is cut short; shown without it")
+        self.assertEqual(self.run_candela("render", "a.obj", "-o", "b.png", "--size", "4x4", "--strict").code, 1)
+
     def test_missing_materials_and_textures_are_warned_of(self):
         self.write("a.obj", obj("gold"))
         told = " ".join(self.info("a.obj")["warnings"])

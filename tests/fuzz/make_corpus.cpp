@@ -7,6 +7,7 @@
 #include "image/develop.h"
 #include "image/film.h"
 #include "image/image_file.h"
+#include "unit/foreign/old_picture_files.h"
 #include "unit/image/webp_avif_files.h"
 #include "unit/io/draco_files.h"
 #include "unit/io/gltf_seeds.h"
@@ -127,6 +128,7 @@ std::vector<Bytes> seeds_of(const std::string& kind) {
   if (kind == "webp") return test::webp_seeds();
   if (kind == "avif") return test::avif_seeds();
   if (kind == "png" || kind == "jpg") return written_pictures("." + kind);
+  if (kind == "old_picture") return foreign::test::old_picture_seeds();
   if (kind == "meshopt") return meshopt_seeds();
   if (kind == "draco") return draco_seeds();
   if (kind == "zip") return zip_seeds();
