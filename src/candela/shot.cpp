@@ -23,7 +23,12 @@ void set_falloff(const FalloffChoice& choice, Scene& scene) {
   }
 }
 
-/// `view` turned about the vertical axis through `center` by equal steps.
+std::string prefix_of(std::size_t index, std::size_t count) {
+  return count > 1 ? fmt::format("picture {} of {}, ", index + 1, count) : "";
+}
+
+}  // namespace
+
 std::vector<View> all_around(const View& view, vec3 center, int count) {
   std::vector<View> views;
   for (int i = 0; i < count; ++i) {
@@ -36,12 +41,6 @@ std::vector<View> all_around(const View& view, vec3 center, int count) {
   }
   return views;
 }
-
-std::string prefix_of(std::size_t index, std::size_t count) {
-  return count > 1 ? fmt::format("picture {} of {}, ", index + 1, count) : "";
-}
-
-}  // namespace
 
 path::Settings traced_settings(const Shot& shot) {
   path::Settings settings = shot.traced;

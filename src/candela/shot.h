@@ -77,6 +77,9 @@ struct Shot {
   bool has_many_pictures() const { return turntable || sequence; }
 };
 
+/// `view` turned about the vertical axis through `center` by `count` equal steps, the first by none.
+std::vector<View> all_around(const View& view, vec3 center, int count);
+
 /// The settings of an engine that a shot comes to.
 path::Settings traced_settings(const Shot& shot);
 raster::Settings drawn_settings(const Shot& shot);
