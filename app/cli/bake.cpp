@@ -43,6 +43,7 @@ struct BakeOptions {
   std::string scene;
   std::string root;
   std::string scene_choice;
+  foreign::Measures measures;
   const ibl::Profile* profile = nullptr;
   std::optional<vec3> at;
   std::optional<CubeAxes> axes;
@@ -190,6 +191,7 @@ void add_scene(CLI::App* verb, BakeOptions& o) {
       ->group("Light");
   add_root(verb, o.root)->group("Light");
   add_scene_choice(verb, o.scene_choice)->group("Light");
+  add_measures(verb, o.measures, "Light");
   add_value(verb, "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres")->group("Light");
   add_value(verb, "--spp", "N", o.spp, count_within(1, kMostSpp), "Samples per texel of what it sees [64]")
       ->group("Light");
@@ -262,7 +264,8 @@ Environment adjusted(Environment environment, const BakeOptions& o) {
 
 CubeFaces capture(const BakeOptions& o, ProgressLine& progress, std::vector<Diagnostic>& warnings) {
   Diagnostics diagnostics;
-  const Scene scene = load(o.scene, &diagnostics, LoadOptions{.root = o.root, .scene = o.scene_choice});
+  const Scene scene =
+      load(o.scene, &diagnostics, LoadOptions{.root = o.root, .scene = o.scene_choice, .measures = o.measures});
   const Environment environment =
       adjusted(o.environment.empty() && scene.image_light
                    ? scene.image_light->environment
@@ -386,7 +389,7 @@ void check_combinations(const CLI::App& verb, const BakeOptions& o) {
     refuse({"--samples"}, "only for --method fis or montecarlo and --irradiance riemann or montecarlo");
   }
   if (!o.tables) refuse({"--table-size"}, "only with --tables");
-  if (o.scene.empty()) refuse({"--spp", "--root", "--scene"}, "only with --from-scene");
+  if (o.scene.empty()) refuse({"--spp", "--root", "--scene", "--unit", "--up"}, "only with --from-scene");
   if (!o.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
   if (o.format.kind == BakeFormat::Kind::gltf) refuse({"--sheen"}, "--format gltf has no levels of the sheen lobe");
   if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");

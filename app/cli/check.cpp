@@ -85,8 +85,11 @@ Verdict verdict_of(const std::string& name, const check::CheckInput& input) {
 std::vector<Told> causes(const std::string& name, const LoadOptions& options, const Error& error) {
   std::vector<Told> result;
   try {
-    const FileSurvey survey = io::survey_gltf(
-        name, {.read_geometry = false, .decode_images = true, .root = options.root, .scene = options.scene});
+    const FileSurvey survey = io::survey_gltf(name, {.read_geometry = false,
+                                                     .decode_images = true,
+                                                     .root = options.root,
+                                                     .scene = options.scene,
+                                                     .measures = options.measures});
     for (Finding& f : check::check_images(survey)) result.push_back({std::move(f), {}, {}});
   } catch (const Error&) {
     // The file itself is damaged, as `error` says.
@@ -125,8 +128,9 @@ Verdict judge_file(const std::string& name, const LoadOptions& options) {
     const bool has_lost_images =
         std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
                     [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
-    const FileSurvey survey =
-        io::survey_gltf(name, {.decode_images = has_lost_images, .root = options.root, .scene = options.scene});
+    const FileSurvey survey = io::survey_gltf(
+        name,
+        {.decode_images = has_lost_images, .root = options.root, .scene = options.scene, .measures = options.measures});
     Verdict verdict = verdict_of(name, {.scene = scene,
                                         .survey = &survey,
                                         .extensions_used = info.extensions_used,
@@ -304,6 +308,7 @@ struct CheckOptions {
   std::vector<std::string> names;
   std::string root;
   std::string scene;
+  foreign::Measures measures;
   bool json = false;
   bool strict = false;
   bool quiet = false;
@@ -314,7 +319,8 @@ void run_check(const CheckOptions& options) {
   constexpr int kMostThreads = 1024;
   const ThreadLimit limit(options.threads.empty() ? 0 : parse_count(options.threads, 0, kMostThreads));
   const std::vector<std::string> scenes = scenes_of(options.names);
-  const LoadOptions load_options{.refuse_unknown_required = false, .root = options.root, .scene = options.scene};
+  const LoadOptions load_options{
+      .refuse_unknown_required = false, .root = options.root, .scene = options.scene, .measures = options.measures};
   std::vector<Verdict> verdicts;
   Totals totals;
   ProgressLine progress(options.quiet);
@@ -363,6 +369,7 @@ Verb add_check(CLI::App& app) {
       ->type_name("");
   add_root(verb, options->root);
   add_scene_choice(verb, options->scene);
+  add_measures(verb, options->measures);
   verb->add_flag("--json", options->json, "For a machine: one JSON object, with the measured numbers");
   verb->add_flag("--strict", options->strict, "Exit code 1 where there is a warning or an error");
   verb->add_option("--threads", options->threads, "Default: all the machine has")->type_name("N");

@@ -541,7 +541,8 @@ Outcome render_scene(const RenderOptions& given, Inputs inputs, Shared& shared, 
   check_paths(o);
   progress.phase("loading " + o.scene);
   Diagnostics diagnostics;
-  Job job(Asset(o.scene, &diagnostics, LoadOptions{.variant = o.variant, .root = o.root, .scene = o.scene_choice}));
+  Job job(Asset(o.scene, &diagnostics,
+                LoadOptions{.variant = o.variant, .root = o.root, .scene = o.scene_choice, .measures = o.measures}));
   inputs.add(job.asset.files());
   choose_default_name(o, inputs);
   check_overwriting(o, inputs);

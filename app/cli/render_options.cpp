@@ -38,6 +38,7 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
     return value;
   };
   add_scene_choice(verb, o.scene_choice)->group(group);
+  add_measures(verb, o.measures, group);
   add_value(verb, "--variant", "NAME", o.variant, variant,
             "One of the file's material variants, as candela info lists them [its default look]")
       ->group(group);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/values.h"
+#include "foreign/measures.h"
 #include "image/develop.h"
 #include "path/render.h"
 #include "raster/render.h"
@@ -19,6 +20,7 @@ namespace candela::cli {
 struct RenderOptions {
   std::vector<std::string> scenes;
   std::string scene;                 ///< the one at hand
+  foreign::Measures measures;        ///< of a file that says none
   std::string scene_choice;          ///< of those in the file; empty = its default one
   std::string variant;               ///< empty = the file's default look
   std::string root;                  ///< where all files of a scene must lie; empty = anywhere
