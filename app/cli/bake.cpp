@@ -176,6 +176,7 @@ void add_scene(CLI::App* verb, BakeOptions& o) {
       ->group("Light");
   add_root(verb, o.light.load.root)->group("Light");
   add_scene_choice(verb, o.light.load.scene)->group("Light");
+  add_measures(verb, o.light.load.measures, "Light");
   add_value(verb, "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres")->group("Light");
   add_value(verb, "--spp", "N", o.light.samples, count_within(1, kMostSpp), "Samples per texel of what it sees [64]")
       ->group("Light");
@@ -281,7 +282,7 @@ void check_combinations(const CLI::App& verb, const BakeOptions& o) {
     refuse({"--samples"}, "only for --method fis or montecarlo and --irradiance riemann or montecarlo");
   }
   if (!o.tables) refuse({"--table-size"}, "only with --tables");
-  if (o.light.scene.empty()) refuse({"--spp", "--root", "--scene"}, "only with --from-scene");
+  if (o.light.scene.empty()) refuse({"--spp", "--root", "--scene", "--unit", "--up"}, "only with --from-scene");
   if (!o.light.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
   if (o.format.kind == BakeFormat::Kind::gltf) refuse({"--sheen"}, "--format gltf has no levels of the sheen lobe");
   if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");

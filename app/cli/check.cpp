@@ -149,6 +149,7 @@ struct CheckOptions {
   std::vector<std::string> names;
   std::string root;
   std::string scene;
+  foreign::Measures measures;
   bool json = false;
   bool strict = false;
   bool quiet = false;
@@ -159,7 +160,8 @@ void run_check(const CheckOptions& options) {
   constexpr int kMostThreads = 1024;
   const ThreadLimit limit(options.threads.empty() ? 0 : parse_count(options.threads, 0, kMostThreads));
   const std::vector<std::string> scenes = scenes_of(options.names);
-  const LoadOptions load_options{.refuse_unknown_required = false, .root = options.root, .scene = options.scene};
+  const LoadOptions load_options{
+      .refuse_unknown_required = false, .root = options.root, .scene = options.scene, .measures = options.measures};
   std::vector<Verdict> verdicts;
   Totals totals;
   ProgressLine progress(options.quiet);
@@ -215,6 +217,7 @@ Verb add_check(CLI::App& app) {
       ->type_name("");
   add_root(verb, options->root);
   add_scene_choice(verb, options->scene);
+  add_measures(verb, options->measures);
   verb->add_flag("--json", options->json, "For a machine: one JSON object, with the measured numbers");
   verb->add_flag("--strict", options->strict, "Exit code 1 where there is a warning or an error");
   verb->add_option("--threads", options->threads, "Default: all the machine has")->type_name("N");

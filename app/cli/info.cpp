@@ -229,13 +229,13 @@ std::string bytes_text(std::size_t bytes) {
   return fmt::format("{:.1f} MiB", size / (kKibi * kKibi));
 }
 
-Report scene_report(const std::string& name, const fs::path& root, const std::string& chosen) {
+Report scene_report(const std::string& name, const io::LoadOptions& chosen) {
   Diagnostics diagnostics;
   io::FileInfo file;
   const bool built_in = name.starts_with("demo:");
   // Sizes are in the images' headers: a big file answers at once.
-  const io::LoadOptions options{
-      .decode_images = false, .refuse_unknown_required = false, .root = root, .scene = chosen};
+  io::LoadOptions options = chosen;
+  options.decode_images = options.refuse_unknown_required = false;
   const std::optional<Scene> scene =
       built_in ? load(name, nullptr, options) : look_into(name, options, diagnostics, file);
 
@@ -243,7 +243,9 @@ Report scene_report(const std::string& name, const fs::path& root, const std::st
   Table table;
   table.row("scene", name);
   std::optional<FileSurvey> survey;
-  if (scene && !built_in) survey = io::survey_gltf(name, {.read_geometry = false, .root = root, .scene = chosen});
+  if (scene && !built_in)
+    survey = io::survey_gltf(
+        name, {.read_geometry = false, .root = options.root, .scene = options.scene, .measures = options.measures});
   if (scene) describe_content(*scene, survey ? &*survey : nullptr, json, table);
   if (!built_in) describe_file(file, json, table);
   if (scene) describe_size(*scene, json, table);
@@ -265,6 +267,7 @@ Verb add_info(CLI::App& app) {
     std::string file;
     std::string root;
     std::string scene;
+    foreign::Measures measures;
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
@@ -277,15 +280,22 @@ Verb add_info(CLI::App& app) {
       ->type_name("");
   add_root(verb, options->root);
   add_scene_choice(verb, options->scene);
+  add_measures(verb, options->measures);
   verb->add_flag("--json", options->json, "For a machine: one JSON object");
   verb->footer("Examples:\n  candela info helmet.glb\n  candela info picture.exr --json");
   return [options] {
     if (options->file.empty()) throw UsageError("FILE: the name is empty");
     const bool built_in = options->file.starts_with("demo:");
     if (!built_in) io::check_inside(parse_image_name(options->file).path, options->root);
-    const Report report = is_image_file(options->file)     ? image_report(options->file)
-                          : is_texture_file(options->file) ? texture_report(options->file)
-                                                           : scene_report(options->file, options->root, options->scene);
+    const bool is_image = is_image_file(options->file), is_texture = !is_image && is_texture_file(options->file);
+    if ((is_image || is_texture) && !options->measures.empty()) {
+      throw UsageError("--unit and --up are of scenes, and " + options->file + " is none");
+    }
+    const Report report =
+        is_image     ? image_report(options->file)
+        : is_texture ? texture_report(options->file)
+                     : scene_report(options->file,
+                                    {.root = options->root, .scene = options->scene, .measures = options->measures});
     print(options->json ? report.json : report.text);
   };
 }

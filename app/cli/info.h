@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "image/image.h"
+#include "io/gltf.h"
 #include "scene/file_survey.h"
 #include "scene/scene.h"
 
@@ -22,8 +23,7 @@ bool is_image_file(const std::string& name);  ///< a picture, or FILE:LAYER of o
 Report image_report(const std::string& name);
 bool is_texture_file(const std::filesystem::path& path);
 Report texture_report(const std::filesystem::path& path);  ///< KTX and DDS
-/// `root` and `scene` are LoadOptions' own.
-Report scene_report(const std::string& name, const std::filesystem::path& root, const std::string& scene);
+Report scene_report(const std::string& name, const io::LoadOptions& options);
 
 /// Luminance of a picture's finite pixels, each counting the same.
 struct Luminance {

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "cli/values.h"
+#include "foreign/measures.h"
 
 namespace candela::cli {
 
@@ -52,6 +53,25 @@ inline CLI::Option* add_scene_choice(CLI::App* verb, std::string& into) {
   };
   return add_value(verb, "--scene", "INDEX|NAME", into, named,
                    "Which of the scenes that a file holds, as candela info lists them [its default one]");
+}
+
+/// --unit and --up, of every verb that reads a scene.
+inline void add_measures(CLI::App* verb, foreign::Measures& into, const std::string& group = "Options") {
+  const auto metres = [](const std::string& text) {
+    if (text == "mm") return 0.001f;
+    if (text == "cm") return 0.01f;
+    if (text == "m") return 1.0f;
+    if (text == "in") return 0.0254f;
+    throw UsageError("is none of mm, cm, m and in: '" + text + "'");
+  };
+  const auto is_z_up = [](const std::string& text) {
+    if (text != "y" && text != "z") throw UsageError("is neither y nor z: '" + text + "'");
+    return text == "z";
+  };
+  add_value(verb, "--unit", "mm|cm|m|in", into.metres_per_unit, metres, "Of an .obj, .stl or .ply, which says none [m]")
+      ->group(group);
+  add_value(verb, "--up", "y|z", into.is_z_up, is_z_up, "The upward axis of an .obj, .stl or .ply, likewise [y]")
+      ->group(group);
 }
 
 }  // namespace candela::cli

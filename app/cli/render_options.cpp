@@ -38,6 +38,7 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
     return value;
   };
   add_scene_choice(verb, o.shot.load.scene)->group(group);
+  add_measures(verb, o.shot.load.measures, group);
   add_value(verb, "--variant", "NAME", o.shot.load.variant, variant,
             "One of the file's material variants, as candela info lists them [its default look]")
       ->group(group);

@@ -31,6 +31,7 @@ struct ViewOptions {
   std::string scene;
   std::string root;
   std::string scene_choice;
+  foreign::Measures measures;
   std::optional<std::string> environment;
   ivec2 size{1280, 720};
   std::string shader_folder;
@@ -97,7 +98,7 @@ raster::Settings settings_of(const ViewOptions& o) {
 
 Viewer::Viewer(const ViewOptions& o)
     : options_(o),
-      asset_(o.scene, &diagnostics_, LoadOptions{.root = o.root, .scene = o.scene_choice}),
+      asset_(o.scene, &diagnostics_, LoadOptions{.root = o.root, .scene = o.scene_choice, .measures = o.measures}),
       scene_(asset_.scene()),
       environment_(o.environment ? make_environment(*o.environment, &diagnostics_)
                                  : default_light(scene_, &diagnostics_)),
@@ -243,6 +244,7 @@ Verb add_view(CLI::App& app) {
             "For development: read shaders from there, and again whenever they change");
   add_root(verb, options->root);
   add_scene_choice(verb, options->scene_choice);
+  add_measures(verb, options->measures);
   add_value(verb, "--frames", "N", options->frames, count_within(1, 1000000),
             "Close after N frames, and say how long they took");
   verb->footer(

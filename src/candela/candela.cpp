@@ -27,6 +27,8 @@ Asset::Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const Lo
     throw Error("a built-in scene has no variants", name_);
   } else if (!options.scene.empty()) {
     throw Error("a built-in scene is one scene, of which none can be chosen", name_);
+  } else if (!options.measures.empty()) {
+    throw Error("a built-in scene is in metres with +y up", name_);
   }
 }
 

@@ -56,8 +56,11 @@ Verdict verdict_of(const std::string& name, const check::CheckInput& input, cons
 std::vector<NamedFinding> causes(const std::string& name, const LoadOptions& options, const Error& error) {
   std::vector<NamedFinding> result;
   try {
-    const FileSurvey survey = io::survey_gltf(
-        name, {.read_geometry = false, .decode_images = true, .root = options.root, .scene = options.scene});
+    const FileSurvey survey = io::survey_gltf(name, {.read_geometry = false,
+                                                     .decode_images = true,
+                                                     .root = options.root,
+                                                     .scene = options.scene,
+                                                     .measures = options.measures});
     for (Finding& f : check::check_images(survey)) result.push_back({std::move(f), {}, {}});
   } catch (const Error&) {
     // The file itself is damaged, as `error` says.
@@ -96,8 +99,9 @@ Verdict judge_file(const std::string& name, const LoadOptions& options, const Jo
     const bool has_lost_images =
         std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
                     [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
-    const FileSurvey survey =
-        io::survey_gltf(name, {.decode_images = has_lost_images, .root = options.root, .scene = options.scene});
+    const FileSurvey survey = io::survey_gltf(
+        name,
+        {.decode_images = has_lost_images, .root = options.root, .scene = options.scene, .measures = options.measures});
     Verdict verdict = verdict_of(name,
                                  {.scene = scene,
                                   .survey = &survey,

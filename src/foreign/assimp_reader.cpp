@@ -207,10 +207,19 @@ std::vector<Look> read_libraries(std::string_view obj, const Surroundings& aroun
   return looks;
 }
 
+/// What is taken for granted where neither the format nor the user says it.
+void note_assumptions(Format format, const Measures& measures, Draft& draft) {
+  if (!is_silent(format) || (measures.metres_per_unit && measures.is_z_up)) return;
+  const char* lacks = measures.is_z_up           ? "no unit: metres are taken"
+                      : measures.metres_per_unit ? "no upward axis: +y is taken"
+                                                 : "neither unit nor upward axis: metres and +y are taken";
+  draft.diagnostics.note(fmt::format("{} says {}", format_name(format), lacks));
+}
+
 }  // namespace
 
-Draft read_with_assimp(std::span<const std::byte> bytes, Format format, const Surroundings& around,
-                       const std::string& stem) {
+Draft read_with_assimp(std::span<const std::byte> bytes, Format format, const Measures& measures,
+                       const Surroundings& around, const std::string& stem) {
   Draft draft;
   draft.gltf["asset"]["generator"] = fmt::format("read from {}", format_name(format));
   const std::string main_name = "candela-scene" + std::string(extension_of(format));
@@ -223,7 +232,7 @@ Draft read_with_assimp(std::span<const std::byte> bytes, Format format, const Su
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   const aiScene* scene = importer.ReadFile(main_name, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
   if (scene == nullptr) throw Error(one_line(importer.GetErrorString()));
-  const Units units = units_of(*scene, format, bytes);
+  const Units units = units_of(*scene, format, bytes, measures);
   std::vector<Look> library;
   if (format == Format::obj) {
     library = read_libraries({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, around, draft);
@@ -231,10 +240,7 @@ Draft read_with_assimp(std::span<const std::byte> bytes, Format format, const Su
   Materials materials(*scene, draft, around, format);
   SceneWriter writer(*scene, draft, materials.of_meshes(library), units, has_trusted_normals(bytes, format));
   writer.write(stem);
-  if (!units.are_known) {
-    draft.diagnostics.note(
-        fmt::format("{} says neither unit nor upward axis: metres and +y are taken", format_name(format)));
-  }
+  note_assumptions(format, measures, draft);
   draft.read.insert(draft.read.end(), files->opened().begin(), files->opened().end());
   return draft;
 }

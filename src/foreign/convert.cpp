@@ -57,14 +57,16 @@ namespace {
 bool is_available() { return true; }
 
 Converted convert(std::span<const std::byte> bytes, Format format, const Surroundings& around, const std::string& stem,
-                  const std::string& where, Diagnostics& diagnostics) {
+                  const std::string& where, Diagnostics& diagnostics, const Measures& measures) {
+  require_silence(format, measures, where);
   // A text takes some fifty times its size in Assimp's lists; beyond it something is wrong with the file.
   constexpr std::uint64_t kMemory = std::uint64_t{2} << 30, kMemoryPerByte = 100;
   constexpr unsigned kSeconds = 120, kBytesPerSecond = 200'000;
   const SandboxLimits limits{kMemory + kMemoryPerByte * bytes.size(),
                              kSeconds + static_cast<unsigned>(bytes.size() / kBytesPerSecond)};
   check_claims(bytes, format, limits.memory_bytes, where);
-  Draft draft = unpack(run_apart([&] { return pack(read_with_assimp(bytes, format, around, stem)); }, limits, where));
+  Draft draft =
+      unpack(run_apart([&] { return pack(read_with_assimp(bytes, format, measures, around, stem)); }, limits, where));
   mix(draft, around);
   for (const Diagnostic& told : draft.diagnostics.warnings()) {
     diagnostics.warn(told.message, told.where.empty() ? where : told.where);
@@ -83,7 +85,7 @@ Converted convert(std::span<const std::byte> bytes, Format format, const Surroun
 bool is_available() { return false; }
 
 Converted convert(std::span<const std::byte>, Format format, const Surroundings&, const std::string&,
-                  const std::string& where, Diagnostics&) {
+                  const std::string& where, Diagnostics&, const Measures&) {
   throw Error(fmt::format("{} is not read: this program was built without Assimp", format_name(format)), where);
 }
 

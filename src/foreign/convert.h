@@ -7,6 +7,7 @@
 
 #include "base/diagnostics.h"
 #include "foreign/formats.h"
+#include "foreign/measures.h"
 #include "foreign/surroundings.h"
 
 namespace candela::foreign {
@@ -20,6 +21,6 @@ struct Converted {
 /// folder. What the scene loses on the way is a warning. Assimp runs in a process of its own, which a broken file may
 /// end. Throws Error at `where`, also where the build is without Assimp.
 Converted convert(std::span<const std::byte> bytes, Format format, const Surroundings& around, const std::string& stem,
-                  const std::string& where, Diagnostics& diagnostics);
+                  const std::string& where, Diagnostics& diagnostics, const Measures& measures = {});
 
 }  // namespace candela::foreign

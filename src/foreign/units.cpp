@@ -39,6 +39,9 @@ mat4 scaled(float scale, vec3 x, vec3 y, vec3 z) {
   return glm::transpose(mat4(vec4(x * scale, 0), vec4(y * scale, 0), vec4(z * scale, 0), vec4(0, 0, 0, 1)));
 }
 
+/// +z becomes +y.
+mat4 z_up(float scale) { return scaled(scale, {1, 0, 0}, {0, 0, 1}, {0, -1, 0}); }
+
 Units units_of_fbx(const aiScene& scene) {
   constexpr float kCentimetre = 0.01f;
   Units units;
@@ -120,21 +123,24 @@ Units units_of_3mf(std::string_view zip) {
   for (const auto& [name, metres] : kUnits) {
     if (unit == name) units.metres_per_unit = metres;
   }
-  units.metres_from_root = scaled(units.metres_per_unit, {1, 0, 0}, {0, 0, 1}, {0, -1, 0});
+  units.metres_from_root = z_up(units.metres_per_unit);
   return units;
 }
 
 }  // namespace
 
-Units units_of(const aiScene& scene, Format format, std::span<const std::byte> bytes) {
+Units units_of(const aiScene& scene, Format format, std::span<const std::byte> bytes, const Measures& measures) {
   if (format == Format::fbx) return units_of_fbx(scene);
   if (format == Format::three_mf) return units_of_3mf({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   Units units;
   if (format == Format::collada && scene.mRootNode != nullptr) {
     units.metres_per_unit = glm::length(vec3(matrix_of(scene.mRootNode->mTransformation)[0]));
     if (!(units.metres_per_unit > 0.0f)) units.metres_per_unit = 1.0f;
-  } else {
-    units.are_known = format == Format::max_3ds;
+  } else if (is_silent(format)) {
+    units.metres_per_unit = measures.metres_per_unit.value_or(1.0f);
+    const bool is_z_up = measures.is_z_up.value_or(false);
+    units.metres_from_root =
+        is_z_up ? z_up(units.metres_per_unit) : scaled(units.metres_per_unit, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
   }
   return units;
 }

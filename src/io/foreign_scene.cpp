@@ -33,13 +33,17 @@ std::string lower_extension(const fs::path& path) {
 
 }  // namespace
 
-SceneSource open_gltf(const fs::path& path, const fs::path& root, Diagnostics& diagnostics) {
+SceneSource open_gltf(const fs::path& path, const fs::path& root, const foreign::Measures& measures,
+                      Diagnostics& diagnostics) {
   SceneSource source = open_scene(path, root);
   source.file_bytes = source.bytes.size();
   source.format = foreign::format_name(foreign::Format::gltf);
   const fs::path name = source.entry.empty() ? path : fs::path(source.entry);
   const foreign::Format format = foreign::recognise(source.bytes);
-  if (format == foreign::Format::gltf) return source;
+  if (format == foreign::Format::gltf) {
+    foreign::require_silence(format, measures, source.label);
+    return source;
+  }
   if (format == foreign::Format::unknown) {
     const std::string extension = lower_extension(name);
     if (extension != ".gltf" && extension != ".glb") refuse(source.bytes, source.label);
@@ -55,7 +59,7 @@ SceneSource open_gltf(const fs::path& path, const fs::path& root, Diagnostics& d
                                      },
                                      [&](const std::string& file) { return source.files.read(file); }};
   foreign::Converted made =
-      foreign::convert(source.bytes, format, around, name.stem().string(), source.label, diagnostics);
+      foreign::convert(source.bytes, format, around, name.stem().string(), source.label, diagnostics, measures);
   source.bytes = std::move(made.glb);
   source.format = foreign::format_name(format);
   source.read = std::move(made.read);

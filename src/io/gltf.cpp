@@ -597,7 +597,7 @@ GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, st
 }
 
 GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info) {
-  SceneSource source = open_gltf(path, options.root, diagnostics);
+  SceneSource source = open_gltf(path, options.root, options.measures, diagnostics);
   const std::string format = source.format;
   const std::size_t file_bytes = source.file_bytes;
   std::vector<ReferencedFile> read = files_of_source(path, source);

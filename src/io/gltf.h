@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/diagnostics.h"
+#include "foreign/measures.h"
 #include "scene/scene.h"
 
 namespace candela::io {
@@ -27,6 +28,8 @@ struct LoadOptions {
   /// A name or an index of the file's scenes; empty = its default scene (else its first, else all root nodes). One that
   /// the file has not is an Error that lists those it has.
   std::string scene = {};
+  /// The unit and the upward axis of an OBJ, an STL or a PLY, which say neither; of any other file it is an Error.
+  foreign::Measures measures = {};
 };
 
 /// A moment of an animation.

@@ -102,7 +102,7 @@ std::vector<std::pair<std::string, std::string>> names_outside(const Json& root,
 
 std::vector<ReferencedFile> files_of_gltf(const fs::path& path, const fs::path& root) {
   Diagnostics ignored;
-  const SceneSource source = open_gltf(path, root, ignored);
+  const SceneSource source = open_gltf(path, root, {}, ignored);
   const GltfDocument document(source.bytes, source.label, ignored);
   const UriReader uris(source.files);
   std::vector<ReferencedFile> files = files_of_source(path, source);

@@ -277,7 +277,7 @@ FileSurvey survey(const SceneSource& source, const SurveyOptions& options) {
 
 FileSurvey survey_gltf(const fs::path& path, const SurveyOptions& options) {
   Diagnostics ignored;
-  return survey(open_gltf(path, options.root, ignored), options);
+  return survey(open_gltf(path, options.root, options.measures, ignored), options);
 }
 
 FileSurvey survey_gltf(std::span<const std::byte> bytes, const fs::path& base_folder, const SurveyOptions& options) {

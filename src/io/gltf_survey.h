@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 
+#include "foreign/measures.h"
 #include "scene/file_survey.h"
 
 namespace candela::io {
@@ -13,6 +14,7 @@ struct SurveyOptions {
   bool decode_images = false;       ///< false: an image whose header is whole passes for readable
   std::filesystem::path root = {};  ///< as LoadOptions::root
   std::string scene = {};           ///< as LoadOptions::scene
+  foreign::Measures measures = {};  ///< as LoadOptions::measures
 };
 
 /// Looks through what the scene of a .gltf or .glb uses, and remembers oddities where load_gltf puts them right

@@ -58,9 +58,9 @@ def gltf(material, corners=CORNERS, colors=None, uvs=None, image=None):
     return json.dumps({k: v for k, v in scene.items() if v})
 
 
-def obj(material=None, library="a.mtl", uvs=None):
+def obj(material=None, library="a.mtl", uvs=None, corners=CORNERS):
     lines = [f"mtllib {library}"] if material else []
-    lines += ["# a comment", "o thing"] + ["v %g %g %g" % c for c in CORNERS] + ["vt %g %g" % t for t in uvs or ()]
+    lines += ["# a comment", "o thing"] + ["v %g %g %g" % c for c in corners] + ["vt %g %g" % t for t in uvs or ()]
     lines += [f"usemtl {material}"] if material else []
     lines += ["f " + " ".join(f"{i + 1}/{i + 1}" if uvs else f"{i + 1}" for i in face) for face in FACES]
     return "\n".join(lines) + "\n"
@@ -73,16 +73,16 @@ def stl_text():
     return "\n".join(lines + ["endsolid thing"]) + "\n"
 
 
-def stl_bytes(title=b"solid, as a text would begin"):
-    body = b"".join(struct.pack("<12fH", 0, 0, 0, *(x for i in face for x in CORNERS[i]), 0) for face in FACES)
+def stl_bytes(title=b"solid, as a text would begin", corners=CORNERS):
+    body = b"".join(struct.pack("<12fH", 0, 0, 0, *(x for i in face for x in corners[i]), 0) for face in FACES)
     return title.ljust(80, b" ") + struct.pack("<I", len(FACES)) + body
 
 
-def ply(colors=None):
+def ply(colors=None, corners=CORNERS):
     lines = ["ply", "format ascii 1.0", f"element vertex {len(CORNERS)}"] + [f"property float {a}" for a in "xyz"]
     lines += [f"property uchar {c}" for c in ("red", "green", "blue")] if colors else []
     lines += [f"element face {len(FACES)}", "property list uchar int vertex_indices", "end_header"]
-    lines += [" ".join(map(str, (*c, *(colors[i] if colors else ())))) for i, c in enumerate(CORNERS)]
+    lines += [" ".join(map(str, (*c, *(colors[i] if colors else ())))) for i, c in enumerate(corners)]
     return "\n".join(lines + ["3 %d %d %d" % face for face in FACES]) + "\n"
 
 
@@ -342,6 +342,27 @@ class Places(ForeignTest):
             with self.subTest(name=name):
                 for found, expected in zip(self.bounds(name), (0, 0, 0, 1, 2, 0.5)):
                     self.assertAlmostEqual(found, expected, delta=1e-5)
+
+    def test_the_user_says_unit_and_axis_where_the_file_does_not(self):
+        inches = tuple(tuple(x / 0.0254 for x in c) for c in z_up(CORNERS, 1))
+        self.write("a.obj", obj(corners=inches))
+        self.write("a.stl", stl_bytes(corners=inches))
+        self.write("a.ply", ply(corners=inches))
+        for name in self.files():
+            for verb in ("info", "check"):
+                self.succeeds(verb, name, "--unit", "in", "--up", "z")
+            found = json.loads(self.succeeds("info", name, "--unit", "in", "--up", "z", "--json").out)
+            for value, expected in zip([*found["bounds"]["lower"], *found["bounds"]["upper"]], (0, 0, 0, 1, 2, 0.5)):
+                self.assertAlmostEqual(value, expected, delta=1e-5, msg=name)
+            self.assertEqual(found["notes"], [])
+            (told,) = json.loads(self.succeeds("info", name, "--unit", "cm", "--json").out)["notes"]
+            self.assertIn("says no upward axis: +y is taken", told)
+            self.succeeds("render", name, "-o", "z.png", "--unit", "in", "--up", "z", "--size", "24x16", "--spp", "1")
+        self.write("a.glb", gltf(CLAY))
+        self.write("a.dae", dae())
+        self.fails("render", "a.glb", "--unit", "mm", says="a.glb: a unit is given, but glTF says its own; OBJ, STL and PLY do not")
+        self.fails("info", "a.dae", "--up", "z", says="an upward axis is given, but COLLADA says its own")
+        self.fails("render", "demo:spheres", "--up", "z", says="a built-in scene is in metres with [+]y up")
 
     def test_camera_without_a_name(self):
         lens = (
