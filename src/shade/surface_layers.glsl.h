@@ -190,8 +190,9 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
       float scattered = s.weight_glass * p.scatter;
       s.weight_glass = s.weight_glass - scattered;
       s.weight_dielectric += scattered;
-      s.diffuse += p.scatter_color * (scattered * (1.0f - p.scatter_forward));
-      s.diffuse_below += p.scatter_color * (scattered * p.scatter_forward);
+      float forward = 0.5f * (1.0f + p.scatter_anisotropy);
+      s.diffuse += p.scatter_color * (scattered * (1.0f - forward));
+      s.diffuse_below += p.scatter_color * (scattered * forward);
     }
   }
 

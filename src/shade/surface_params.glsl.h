@@ -46,7 +46,7 @@ struct SurfaceParams {
   vec3 diffuse_transmission_color;
   float scatter;  ///< share of what a sheet transmits that is scattered, below the bit of diffuse transmission
   vec3 scatter_color;
-  float scatter_forward;  ///< share of it that leaves on the other side
+  float scatter_anisotropy;  ///< of which (1 + this) / 2 leaves on the other side
 
   vec3 sheen_color;
   float sheen_roughness;
@@ -197,7 +197,7 @@ SHADE_FN SurfaceParams surface_params_default() {
   p.diffuse_transmission_color = vec3(1.0f);
   p.scatter = 0.0f;
   p.scatter_color = vec3(1.0f);
-  p.scatter_forward = 0.5f;
+  p.scatter_anisotropy = 0.0f;
   p.sheen_color = vec3(0.0f);
   p.sheen_roughness = 0.0f;
   p.clearcoat = 0.0f;
