@@ -42,7 +42,7 @@ SHADE_FN vec3 layers_model_diffuse(SHADE_IN(Surface) s, vec3 wo) {
     vec3 wi = cosine_sample(layers_model_point(i));
     if (wi.z <= 0.0f) continue;
     float cos_m = 0.5f * length(wo + wi);
-    vec2 ab = layers_ggx(s, wi, s.curve);
+    vec2 ab = anisotropy_ggx(s, wi, s.curve);
     sum +=
         terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, wi, cos_m, layers_at(s, wi), ab);
   }
@@ -53,22 +53,24 @@ SHADE_FN vec3 layers_model_sheen(SHADE_IN(Surface) s, vec3 wo) {
   vec3 sum = vec3(0.0f);
   for (int i = 0; i < kModelPoints; ++i) {
     vec3 wi = uniform_hemisphere_sample(layers_model_point(i));
-    if (wi.z > 0.0f) sum += layers_eval_sheen(s, wo, wi, layers_at(s, wi));
+    if (wi.z <= 0.0f) continue;
+    LayersAt at = layers_at(s, wi);
+    sum += sheen_eval(s, wo, wi, layers_below_coat(s, at), at.sheen_scale);
   }
   return sum * (2.0f * kShadePi / float(kModelPoints));
 }
 
 SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
   float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
-  vec2 ab = layers_ggx(s, wo, s.curve);
+  vec2 ab = anisotropy_ggx(s, wo, s.curve);
   vec3 specular = s.specular_albedo_o;
   // The tables know a film at normal incidence; here it has the colour of this angle.
   if (s.iridescence > 0.0f) specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - s.single_albedo_o;
   r.specular = specular * over;
   r.diffuse = s.diffuse * s.film_below_o * s.transmission_o;
-  r.below = s.diffuse_below * s.film_below_o * s.transmission_o;
-  r.sheen = s.sheen * (s.sheen_albedo_o * (1.0f - s.coat * s.coat_albedo_o));
-  r.coat = vec3(s.coat * s.coat_albedo_o);
+  r.below = below_share(s);
+  r.sheen = sheen_share(s) * (1.0f - s.coat * s.coat_albedo_o);
+  r.coat = coat_share(s);
 #ifndef SHADE_DEFAULT_MODEL
   if ((s.lobes & kLobeModel) != 0) {
     r.specular = layers_model_specular(s, wo);
@@ -76,16 +78,7 @@ SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOU
     if (s.sheen_weight > 0.0f) r.sheen = layers_model_sheen(s, wo);
   }
 #endif
-  if (s.weight_glass <= 0.0f) return;
-  // A smooth boundary, or a film, reflects by the exact curve; a rough one loses what the tables of glass say.
-  vec2 ab_glass = layers_ggx(s, wo, table_curve(max(s.eta, 1.0f / s.eta)));
-  vec3 reflected = s.glass_f0_tinted * ab_glass.x + vec3(s.f90_dielectric * ab_glass.y);
-  if (s.is_glass_delta) reflected = terms_fresnel_glass(s, wo.z);
-  if (s.iridescence > 0.0f) reflected = terms_fresnel_glass(s, wo.z) * (ab.x + ab.y);
-  vec3 lost = vec3(s.glass_escape_o * s.glass_reflected);
-  reflected = min(reflected + lost, vec3(1.0f));
-  r.glass = reflected * (s.weight_glass * over);
-  r.through = s.glass_tint * (vec3(1.0f) - reflected) * (s.weight_glass * over);
+  glass_shares(s, wo, ab, over, r);
 }
 
 SHADE_END

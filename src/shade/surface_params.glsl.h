@@ -150,6 +150,13 @@ struct Surface {
   float chance_coat;
 };
 
+/// A layer above the base, seen at one direction: its albedo at weight 1, and how it dims the base's specular lobe (see
+/// table_over).
+struct LayerAt {
+  float albedo;
+  vec3 over;
+};
+
 struct SurfaceEval {
   vec3 value;  ///< f·|cos θi|
   float pdf;   ///< per solid angle
@@ -173,6 +180,13 @@ struct SurfaceShares {
   vec3 sheen;
   vec3 coat;
 };
+
+SHADE_FN LayerAt layer_absent() {
+  LayerAt at;
+  at.albedo = 0.0f;
+  at.over = vec3(1.0f);
+  return at;
+}
 
 SHADE_FN SurfaceParams surface_params_default() {
   SurfaceParams p;

@@ -34,7 +34,7 @@ const std::vector<Row>& rows() {
       {"eon_rise", {.relative = 1e-3, .floor = 0.1}},
       {"eon_f", {.relative = 1e-3}},
       // 1 less an albedo, which is next to 1 where a boundary is smooth.
-      {"layers_glass_escape_mean", {.floor = 1e-2}},
+      {"glass_escape_mean", {.floor = 1e-2}},
       // The same: near the normal almost all goes through.
       {"fresnel_rise", {.floor = 1e-2}},
       {"base_rise", {.floor = 1e-2}},
