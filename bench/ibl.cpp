@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "content/make_environment.h"
 #include "ibl/bake.h"
 #include "ibl/cube.h"
 #include "ibl/tables.h"

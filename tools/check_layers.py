@@ -2,6 +2,7 @@
 """Check the direction of #include between the folders, and that third-party headers stay where they belong.
 
     tools/check_layers.py [ROOT]      exit 1 and one line per violation
+    tools/check_layers.py --table     the table of docs/architecture.md, which must stand there as it is printed
     tools/check_layers.py --self-test plant violations in a copy and see them found
 """
 
@@ -10,22 +11,34 @@ import re
 import sys
 import tempfile
 
-# What each folder of src/ may include beside itself. `app`, `tests`, `examples` and `bench` may include all of src.
-ALLOWED = {
-    "base": set(),
-    "math": {"base"},
-    "shade": set(),
-    "image": {"math", "base", "shade"},
-    "scene": {"image", "math", "base", "shade"},
-    "foreign": {"image", "math", "base"},
-    "io": {"foreign", "scene", "image", "math", "base"},
-    "path": {"scene", "shade", "image", "math", "base"},
-    "ibl": {"scene", "shade", "image", "math", "base"},
-    "gl": {"math", "base"},
-    "raster": {"gl", "ibl", "scene", "shade", "image", "math", "base"},
-    "study": {"raster", "ibl", "path", "io", "scene", "shade", "image", "math", "base"},
-    "candela": {"raster", "path", "io", "scene", "image", "math", "base"},
+# What each folder of src/ holds, and what it may include beside itself, the lowest first. `app`, `tests`, `examples` and
+# `bench` may include all of src.
+FOLDERS = {
+    "base": ("`Error`, `Diagnostics`, `parallel_for`, files that appear whole or not at all", ""),
+    "math": ("vectors, hashes, Sobol' points, distributions to sample from, spectra and the observer", "base"),
+    "shade": ("the material: Fresnel, microfacets, diffuse, thin films, dispersion, sky, tone curves; headers that are C++ and "
+              "GLSL ES 3.00", ""),
+    "image": ("`Image`, `Film`, `Cubemap`, image and texture files, exposure and tone curves, metrics", "math base shade"),
+    "scene": ("`Scene` as plain data, `View` and lens, `Environment`, names of shading models", "image math base shade"),
+    "content": ("what is made by code: the built-in scenes, shapes, patterns, studio and sky",
+                "scene image math base shade"),
+    "foreign": ("OBJ, FBX, STL, PLY, COLLADA, 3DS, 3MF to a glTF in memory; what a file is, by its content",
+                "image math base"),
+    "io": ("glTF and IES profiles to `Scene`", "content foreign scene image math base"),
+    "ibl": ("image-based light: cubes, irradiance, prefiltered lobes, tables, the proof of their error, what each engine "
+            "expects", "scene image math base shade"),
+    "path": ("the path tracer", "scene image math base shade"),
+    "gl": ("OpenGL ES 3.0: a context without a window, a window, names that give themselves back, programs, shader text "
+           "with its includes", "math base"),
+    "raster": ("the real-time renderer", "gl ibl scene image math base shade"),
+    "laws": ("the table of surfaces, what is true of every BSDF as numbers, the furnace sheet",
+             "scene image math base shade"),
+    "check": ("the judgement of assets", "path ibl scene image math base shade"),
+    "figures": ("the figures of the field and their pages", "laws raster path ibl content scene image math base shade"),
+    "candela": ("the front door of the library: `load`, `render`, `default_view`",
+                "raster path io content scene image math base"),
 }
+ALLOWED = {folder: set(below.split()) for folder, (_, below) in FOLDERS.items()}
 
 # Third-party headers by prefix, and the folders that wrap them. Only what is in PUBLIC may stand in a header of src/
 # that other folders see.
@@ -42,7 +55,7 @@ THIRD_PARTY = {
     "astcenc.h": {"image"},
     "draco/": {"io"},
     "embree": {"path"},
-    "fmt/": {"app", "candela", "foreign", "ibl", "image", "io", "path", "raster", "scene", "study"},
+    "fmt/": {"app", "candela", "check", "content", "figures", "foreign", "ibl", "image", "io", "laws", "path", "raster", "scene"},
     "glm/": set(ALLOWED) | {"app"},
     "jpeglib.h": {"image"},
     "nlohmann/": {"app", "foreign", "io"},
@@ -53,6 +66,13 @@ THIRD_PARTY = {
     "zip.h": {"io"},
     "zlib.h": {"foreign", "image"},
     "zstd.h": {"image"},
+}
+# What people call them, where more than the header's own name helps.
+LIBRARIES = {
+    "CLI/": "CLI11", "avif/": "libavif", "EGL/": "EGL", "GL": "OpenGL ES", "GLFW/": "GLFW", "Imath": "OpenEXR", "Imf": "OpenEXR",
+    "OpenEXR/": "OpenEXR", "assimp/": "Assimp", "astcenc.h": "libastcenc", "draco/": "libdraco", "embree": "Embree", "fmt/": "",
+    "glm/": "glm", "jpeglib.h": "libjpeg-turbo", "nlohmann/": "nlohmann-json", "png.h": "libpng", "tbb/": "oneTBB",
+    "turbojpeg.h": "libjpeg-turbo", "webp/": "libwebp", "zip.h": "libzip", "zlib.h": "zlib", "zstd.h": "Zstandard",
 }
 PUBLIC = ("glm/", "GL")
 FREE = {"tests", "examples", "bench"}  # may use GoogleTest and whatever else they need
@@ -130,6 +150,18 @@ def violations(root):
                 yield f"{name}:{line}: {problem}"
 
 
+def table():
+    """The rows for docs/architecture.md."""
+    rows = ["| folder | what | may use | wraps |", "|---|---|---|---|"]
+    for folder, (what, below) in FOLDERS.items():
+        # Every folder may use glm; it is told of where it is brought in.
+        wraps = {LIBRARIES[prefix] for prefix, where in THIRD_PARTY.items() if folder in where and prefix != "glm/"}
+        if folder in ("math", "shade"):
+            wraps.add("glm")
+        rows.append(f"| `{folder}` | {what} | {', '.join(below.split())} | {', '.join(sorted(wraps - {''}, key=str.lower))} |")
+    return "\n".join(rows) + "\n"
+
+
 PLANTED = {
     "src/base/a.h": ('#include "math/types.h"', "base must not depend on math"),
     "src/shade/a.glsl.h": ('#include "math/types.h"', "shade must not depend on math"),
@@ -166,8 +198,13 @@ def self_test():
 def main():
     if sys.argv[1:] == ["--self-test"]:
         return self_test()
+    if sys.argv[1:] == ["--table"]:
+        return print(table(), end="")
     root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
     found = list(violations(root))
+    page = root / "docs" / "architecture.md"
+    if page.is_file() and table() not in page.read_text(encoding="utf-8"):
+        found.append("docs/architecture.md:1: its table of folders is not that of tools/check_layers.py --table")
     for line in found:
         print(line)
     sys.exit(1 if found else 0)

@@ -22,6 +22,7 @@
 #include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "content/make_environment.h"
 #include "ibl/cube.h"
 #include "image/cube_file.h"
 #include "image/cube_metrics.h"

@@ -1,4 +1,4 @@
-#include "study/check.h"
+#include "check/check.h"
 
 #include <fmt/format.h>
 
@@ -31,8 +31,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using study::Finding;
-using study::Severity;
+using check::Finding;
+using check::Severity;
 
 /// A finding, and the names of what it is about; empty where it is about no such thing.
 struct Told {
@@ -66,8 +66,8 @@ std::vector<Told> told(const Scene& scene, const FileSurvey* survey, std::vector
   std::vector<Told> result;
   result.reserve(findings.size());
   for (Finding& f : findings) {
-    std::string material = f.material < 0 ? "" : study::material_label(scene, f.material);
-    std::string texture = f.texture < 0 ? "" : study::texture_label(scene, f.texture, survey);
+    std::string material = f.material < 0 ? "" : check::material_label(scene, f.material);
+    std::string texture = f.texture < 0 ? "" : check::texture_label(scene, f.texture, survey);
     // From here on people read it: their numbers are the file's.
     if (f.material >= 0) f.material = number_of(scene.materials, static_cast<std::size_t>(f.material));
     if (f.texture >= 0) f.texture = number_of(scene.textures, static_cast<std::size_t>(f.texture));
@@ -76,8 +76,8 @@ std::vector<Told> told(const Scene& scene, const FileSurvey* survey, std::vector
   return result;
 }
 
-Verdict verdict_of(const std::string& name, const study::CheckInput& input) {
-  return {name, std::nullopt, told(input.scene, input.survey, study::check_asset(input)), input.scene.materials.size(),
+Verdict verdict_of(const std::string& name, const check::CheckInput& input) {
+  return {name, std::nullopt, told(input.scene, input.survey, check::check_asset(input)), input.scene.materials.size(),
           triangles_of(input.scene)};
 }
 
@@ -87,7 +87,7 @@ std::vector<Told> causes(const std::string& name, const LoadOptions& options, co
   try {
     const FileSurvey survey = io::survey_gltf(
         name, {.read_geometry = false, .decode_images = true, .root = options.root, .scene = options.scene});
-    for (Finding& f : study::check_images(survey)) result.push_back({std::move(f), {}, {}});
+    for (Finding& f : check::check_images(survey)) result.push_back({std::move(f), {}, {}});
   } catch (const Error&) {
     // The file itself is damaged, as `error` says.
   }
@@ -109,7 +109,7 @@ void add_variant(const std::string& name, LoadOptions options, const std::string
   const auto key = [](const Told& t) { return t.finding.code + '\n' + t.material + '\n' + t.finding.message; };
   std::set<std::string> known;
   for (const Told& t : verdict.findings) known.insert(key(t));
-  for (Told& own : told(scene, nullptr, study::check_asset({.scene = scene}))) {
+  for (Told& own : told(scene, nullptr, check::check_asset({.scene = scene}))) {
     if (known.contains(key(own))) continue;
     own.finding.subject += (own.finding.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
     verdict.findings.push_back(std::move(own));

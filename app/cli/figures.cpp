@@ -13,7 +13,7 @@
 #include "cli/progress.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
-#include "study/figure_book.h"
+#include "figures/figure_book.h"
 
 namespace candela::cli {
 
@@ -23,8 +23,8 @@ namespace {
 
 struct FigureOptions {
   std::string output;
-  std::vector<study::FigureInfo> chosen;
-  study::FigureSettings settings;
+  std::vector<figures::FigureInfo> chosen;
+  figures::FigureSettings settings;
   std::string quality = "final";
   int samples = 0;  ///< 0 = as the quality says
   int threads = 0;
@@ -46,9 +46,9 @@ std::string parse_quality(const std::string& text) {
   throw UsageError("\"" + text + "\" is neither draft nor final");
 }
 
-study::FigureSettings settings_of(const FigureOptions& o) {
+figures::FigureSettings settings_of(const FigureOptions& o) {
   const bool is_draft = o.quality == "draft";
-  study::FigureSettings settings;
+  figures::FigureSettings settings;
   settings.samples = o.samples > 0 ? o.samples : is_draft ? 8 : 64;
   settings.reference = 8 * settings.samples;
   settings.size = is_draft ? 0.5f : 1.0f;
@@ -61,12 +61,12 @@ std::string list_text() {
   constexpr std::size_t kColumns = 100;
   std::string text;
   std::size_t column = 0;
-  const study::FigureInfo* last = nullptr;
-  const std::vector<study::FigureInfo> all = study::figures();
-  for (const study::FigureInfo& info : all) {
+  const figures::FigureInfo* last = nullptr;
+  const std::vector<figures::FigureInfo> all = figures::figures();
+  for (const figures::FigureInfo& info : all) {
     const bool is_new = last == nullptr || info.chapter != last->chapter;
     const bool is_full = column + info.name.size() + 2 > kColumns;
-    const std::string before = is_new    ? fmt::format("\n  {}: ", study::chapter_title(info.chapter))
+    const std::string before = is_new    ? fmt::format("\n  {}: ", figures::chapter_title(info.chapter))
                                : is_full ? ",\n    "
                                          : ", ";
     column = (is_new || is_full ? before.size() : column + before.size()) + info.name.size();
@@ -87,7 +87,7 @@ void run_figures(const FigureOptions& o) {
   ProgressLine progress(o.quiet);
   const ThreadLimit limit(o.threads);
   const Interrupt interrupt;
-  const study::FigureSettings settings = settings_of(o);
+  const figures::FigureSettings settings = settings_of(o);
   const std::string note = fmt::format("Candela {}, --quality {}: {} samples per pixel, {} in references.", version(),
                                        o.quality, settings.samples, settings.reference);
   Diagnostics diagnostics;
@@ -96,11 +96,11 @@ void run_figures(const FigureOptions& o) {
   const auto tell_warnings = [&] {
     for (; told < diagnostics.warnings().size(); ++told) progress.warn(diagnostics.warnings()[told]);
   };
-  const auto tell = [&](const study::BookProgress& p) {
+  const auto tell = [&](const figures::BookProgress& p) {
     tell_warnings();
     progress.phase(fmt::format("figure {} of {}: {}", p.index + 1, p.count, p.figure));
   };
-  const study::BookResult result = study::write_figures(folder, o.chosen, settings, note, diagnostics, tell);
+  const figures::BookResult result = figures::write_figures(folder, o.chosen, settings, note, diagnostics, tell);
   tell_warnings();
   progress.line(fmt::format("{}: {}{} figure{}, {} files in {}", (folder / "index.html").string(),
                             result.stopped ? "interrupted; " : "", result.figures, result.figures == 1 ? "" : "s",
@@ -121,7 +121,7 @@ Verb add_figures(CLI::App& app) {
       ->type_name("DIR")
       ->required();
   add_value(
-      verb, "--only", "NAMES", o.chosen, [](const std::string& text) { return study::choose_figures(split(text)); },
+      verb, "--only", "NAMES", o.chosen, [](const std::string& text) { return figures::choose_figures(split(text)); },
       "These figures alone, separated by commas");
   add_value(verb, "--quality", "NAME", o.quality, parse_quality,
             "final: minutes; draft: half as wide, 8 samples [final]");
@@ -135,7 +135,7 @@ Verb add_figures(CLI::App& app) {
       "  candela figures -o draft --quality draft");
   return [options] {
     if (options->output.empty()) throw UsageError("--output: the folder needs a name");
-    if (options->chosen.empty()) options->chosen = study::choose_figures({});
+    if (options->chosen.empty()) options->chosen = figures::choose_figures({});
     run_figures(*options);
   };
 }

@@ -15,7 +15,7 @@
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "image/develop.h"
-#include "study/matrix.h"
+#include "laws/matrix.h"
 
 namespace candela::cli {
 
@@ -25,19 +25,19 @@ using Json = nlohmann::ordered_json;
 
 std::string percent(double deviation) { return fmt::format("{:+.2f} %", 100.0 * deviation); }
 
-/// Of the models that engines and texts use nothing is promised but finite numbers.
-std::string_view promise_text(const study::MatrixRow& row) {
+/// Models that engines and texts use lose and gain what they are known to, which is no law that they keep.
+std::string_view promise_text(const laws::MatrixRow& row) {
   if (!row.holds) return "BROKEN";
-  return row.promise.gain < 1.0 ? "kept" : "exempt";
+  return row.promise.is_exempt ? "exempt" : "kept";
 }
 
-std::string matrix_text(const std::vector<study::MatrixRow>& matrix, bool is_partial) {
+std::string matrix_text(const std::vector<laws::MatrixRow>& matrix, bool is_partial) {
   std::string text = fmt::format("{:<58} {:>11} {:>10} {:>10} {:>8} {:>10}  {}\n", "surface", "reciprocity",
                                  "furnace -", "furnace +", "pdf", "not finite", "promise");
   int broken = 0;
   int surfaces = 0;
-  for (const study::MatrixRow& row : matrix) {
-    const study::Measurement& m = row.worst;
+  for (const laws::MatrixRow& row : matrix) {
+    const laws::Measurement& m = row.worst;
     text += fmt::format("{:<58} {:>11.0e} {:>10} {:>10} {:>8.0e} {:>10}  {}\n", row.group, m.reciprocity,
                         percent(m.furnace.least - 1.0), percent(m.furnace.most - 1.0), m.pdf, m.flaws.count,
                         promise_text(row));
@@ -48,14 +48,15 @@ std::string matrix_text(const std::vector<study::MatrixRow>& matrix, bool is_par
                             surfaces, matrix.size(), broken);
 }
 
-std::string matrix_json(const std::vector<study::MatrixRow>& matrix, bool is_partial) {
+std::string matrix_json(const std::vector<laws::MatrixRow>& matrix, bool is_partial) {
   Json rows = Json::array();
-  for (const study::MatrixRow& row : matrix) {
-    const study::Measurement& m = row.worst;
-    Json promise = {{"reciprocal", row.promise.is_reciprocal}, {"white", row.promise.is_white}};
-    // Of what is exempt there is no bound to tell.
+  for (const laws::MatrixRow& row : matrix) {
+    const laws::Measurement& m = row.worst;
+    Json promise = {{"reciprocal", row.promise.is_reciprocal},
+                    {"white", row.promise.is_white},
+                    {"gain", row.promise.gain},
+                    {"exempt", row.promise.is_exempt}};
     if (row.promise.is_white) promise["loss"] = row.promise.loss;
-    if (row.promise.gain < 1.0) promise["gain"] = row.promise.gain;
     rows.push_back({{"surface", row.group},
                     {"surfaces", row.surfaces},
                     {"reciprocity_error", m.reciprocity},
@@ -118,15 +119,15 @@ Verb add_furnace(CLI::App& app) {
     };
     const Interrupt interrupt;
     const std::atomic<bool>& stop = Interrupt::requested();
-    const std::vector<study::MatrixRow> matrix = study::law_matrix(options->all, telling("measuring"), &stop);
+    const std::vector<laws::MatrixRow> matrix = laws::law_matrix(options->all, telling("measuring"), &stop);
     const bool is_partial = stop;
     bool is_sheet_partial = false;
     if (!options->output.empty() && !is_partial) {
-      const Image sheet = study::furnace_sheet(telling("drawing"), &stop);
+      const Image sheet = laws::furnace_sheet(telling("drawing"), &stop);
       is_sheet_partial = stop;
       write_png(output, display(sheet));
       progress.line(fmt::format("{}{}: roughness 0 to 1; from the top: {}", is_sheet_partial ? "interrupted, " : "",
-                                options->output, fmt::join(study::furnace_sheet_rows(), "; ")));
+                                options->output, fmt::join(laws::furnace_sheet_rows(), "; ")));
     }
     progress.clear();
     print(options->json ? matrix_json(matrix, is_partial) : matrix_text(matrix, is_partial));

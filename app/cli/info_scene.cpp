@@ -126,6 +126,20 @@ std::string light_type(LightType type) {
 
 Json number_or_null(float value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+/// What EXT_camera_physical says; null without it.
+Json describe_lens(const Camera& camera, std::string& text) {
+  const auto known = [](float value) { return value > 0.0f ? Json(value) : Json(nullptr); };
+  Json lens = {{"f_number", known(camera.f_number)},
+               {"focal_length_mm", known(1000.0f * camera.focal_length)},
+               {"focus_distance_m", known(camera.focus_distance)}};
+  std::string said;
+  if (camera.f_number > 0.0f) said += fmt::format(", f/{:.3g}", camera.f_number);
+  if (camera.focal_length > 0.0f) said += fmt::format(", a lens of {:.4g} mm", 1000.0f * camera.focal_length);
+  if (camera.focus_distance > 0.0f) said += fmt::format(", sharp at {:.4g} m", camera.focus_distance);
+  text += said;
+  return said.empty() ? Json(nullptr) : lens;
+}
+
 }  // namespace
 
 void describe_images(const Scene& scene, const FileSurvey* survey, Json& json, Table& table) {
@@ -221,6 +235,7 @@ void describe_cameras(const Scene& scene, Json& json, Table& table) {
     } else if (camera.near_plane > 0.0f) {
       text += fmt::format(", sees from {:.4g} m", camera.near_plane);
     }
+    entry["lens"] = describe_lens(camera, text);
     json["cameras"].push_back(std::move(entry));
     lines.push_back(std::move(text));
   }

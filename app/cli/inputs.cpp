@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "content/make_environment.h"
 #include "image/cube_file.h"
 #include "image/image_file.h"
 #include "scene/environment.h"

@@ -10,7 +10,7 @@
 #include "cli/option.h"
 #include "cli/output.h"
 #include "cli/values.h"
-#include "io/demo.h"
+#include "content/demo.h"
 #include "raster/blocks.h"
 
 namespace candela::cli {
@@ -239,7 +239,7 @@ void add_raster(CLI::App* verb, RenderOptions& o) {
 
 std::string footer() {
   std::string text = "Built-in scenes:\n";
-  for (const io::DemoInfo& demo : io::demos())
+  for (const content::DemoInfo& demo : content::demos())
     text += fmt::format("  {:<32} {}\n", "demo:" + demo.name, demo.description);
   return text + R"(
 Examples:

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "path/shading_model.h"
+#include "scene/shading_model.h"
 
 namespace candela::cli {
 
@@ -186,7 +186,7 @@ path::Integrator parse_integrator(const std::string& text) {
 
 shade::ShadingModel parse_shading(const std::string& text) {
   try {
-    return path::parse_shading_model(text);
+    return parse_shading_model(text);
   } catch (const Error& error) {
     throw UsageError(error.message());
   }

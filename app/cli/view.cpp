@@ -16,6 +16,7 @@
 #include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "content/make_environment.h"
 #include "gl/window.h"
 #include "raster/renderer.h"
 #include "scene/environment.h"
@@ -63,6 +64,7 @@ class Viewer {
   void save();
   View view() const;
 
+  double opened_s_ = seconds_now();
   ViewOptions options_;
   Diagnostics diagnostics_;
   Asset asset_;
@@ -203,18 +205,20 @@ void Viewer::draw() {
 }
 
 void Viewer::run() {
-  const double start = seconds_now();
-  double first = start;
+  std::optional<double> first;
   while (options_.frames == 0 || drawn_ < options_.frames) {
     const gl::Window::Input input = window_.poll();
     if (input.wants_to_close) break;
     react(input);
     watch_shaders();
     draw();
-    if (drawn_ == 1) first = seconds_now();
+    if (drawn_ == 1 && !first) {
+      first = seconds_now();
+      std::cerr << fmt::format("first picture after {:.1f} s\n", *first - opened_s_);
+    }
   }
   if (options_.frames > 1 && drawn_ > 1) {
-    std::cerr << fmt::format("{} frames, {:.1f} ms each\n", drawn_, 1e3 * (seconds_now() - first) / (drawn_ - 1));
+    std::cerr << fmt::format("{} frames, {:.1f} ms each\n", drawn_, 1e3 * (seconds_now() - *first) / (drawn_ - 1));
   }
 }
 

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "io/demo.h"
+#include "content/demo.h"
 #include "path/capture.h"
 #include "scene/brightness.h"
 
@@ -37,7 +37,7 @@ Scene Asset::scene(const std::optional<Pose>& pose) {
     return file_->scene(diagnostics != nullptr ? *diagnostics : ignored_, pose);
   }
   if (pose && !pose->animation.empty()) throw Error("a built-in scene has no animations", name_);
-  return io::make_demo(name_.substr(kDemo.size()));
+  return content::make_demo(name_.substr(kDemo.size()));
 }
 
 bool Asset::is_animated() const { return file_ != nullptr && !file_->info().animations.empty(); }

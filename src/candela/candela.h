@@ -9,6 +9,7 @@
 
 #include "base/diagnostics.h"
 #include "base/error.h"
+#include "content/make_environment.h"
 #include "image/develop.h"
 #include "image/film.h"
 #include "io/gltf.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/shapes.h"
+#include "content/shapes.h"
 
 namespace candela::io {
 
@@ -69,7 +69,7 @@ int add_area_light(const JsonView& json, Scene& scene, Warnings& warnings) {
     const float aspect = rect ? within(*rect, "aspect", 1.0f, 0.0f, kLargestSize, warnings) : 1.0f;
     const float width = std::min(size * aspect, kLargestSize);
     is_there &= width > 0.0f;
-    primitive = quad({0.5f * width, -0.5f * size, 0.0f}, {-width, 0, 0}, {0, size, 0});
+    primitive = content::quad({0.5f * width, -0.5f * size, 0.0f}, {-width, 0, 0}, {0, size, 0});
   } else if (type == "disk") {
     primitive = disc(size);
   } else {

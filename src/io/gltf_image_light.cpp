@@ -38,6 +38,16 @@ std::vector<FaceIndices> read_levels(const JsonView& root, const JsonView& light
   return levels;
 }
 
+/// The light that lights a scene, and its number; none where the scene names none.
+std::optional<std::pair<JsonView, std::size_t>> find_light(const JsonView& root, std::size_t scene) {
+  if (scene >= count_of(root, "scenes")) return std::nullopt;
+  const auto use = root.at("scenes")[scene].extension(kName);
+  if (!use) return std::nullopt;
+  const auto lights = root.extension(kName);
+  const std::size_t index = use->at("light").index(lights ? count_of(*lights, "lights") : 0, "image-based light");
+  return std::pair(lights->at("lights")[index], index);
+}
+
 /// The irradiance that the file has beside the cube. Both engines integrate the cube itself, so that it is not used.
 void check_harmonics(const JsonView& light, Warnings& warnings) {
   const auto list = light.find("irradianceCoefficients");
@@ -126,12 +136,9 @@ void turn(Environment& environment, const quat& world_from_light) {
 std::optional<ImageLight> read_image_light(const JsonView& root, std::size_t scene, GltfBuffers& buffers,
                                            const UriReader& uris, bool decode, KeptPanoramas* kept,
                                            Warnings& warnings) {
-  if (scene >= count_of(root, "scenes")) return std::nullopt;
-  const auto use = root.at("scenes")[scene].extension(kName);
-  if (!use) return std::nullopt;
-  const auto lights = root.extension(kName);
-  const std::size_t index = use->at("light").index(lights ? count_of(*lights, "lights") : 0, "image-based light");
-  const JsonView light = lights->at("lights")[index];
+  const auto found = find_light(root, scene);
+  if (!found) return std::nullopt;
+  const auto& [light, index] = *found;
 
   ImageLight result;
   result.file_index = static_cast<int>(index);
@@ -157,6 +164,23 @@ std::optional<ImageLight> read_image_light(const JsonView& root, std::size_t sce
     if (kept != nullptr && decode) kept->emplace(index, environment.map);
   }
   if (const auto rotation = light.find("rotation")) turn(environment, read_rotation(*rotation, warnings));
+  return result;
+}
+
+FileSurvey::Irradiance read_irradiance(const JsonView& root, std::size_t scene) {
+  FileSurvey::Irradiance result;
+  const auto found = find_light(root, scene);
+  if (!found) return result;
+  const JsonView& light = found->first;
+  const auto list = light.find("irradianceCoefficients");
+  if (!list || list->size() != kHarmonics) return result;
+  for (std::size_t i = 0; i < kHarmonics; ++i) {
+    const std::vector<float> rgb = (*list)[i].reals(3);
+    result.coefficients.emplace_back(rgb[0], rgb[1], rgb[2]);
+  }
+  Diagnostics told;
+  Warnings warnings(told);
+  if (const auto rotation = light.find("rotation")) result.world_from_light = read_rotation(*rotation, warnings);
   return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include "io/gltf_document.h"
 #include "io/gltf_warnings.h"
+#include "scene/file_survey.h"
 #include "scene/scene.h"
 
 namespace candela::io {
@@ -22,5 +23,9 @@ using KeptPanoramas = std::map<std::size_t, std::shared_ptr<const Image>>;
 /// faces do not agree.
 std::optional<ImageLight> read_image_light(const JsonView& root, std::size_t scene, GltfBuffers& buffers,
                                            const UriReader& uris, bool decode, KeptPanoramas* kept, Warnings& warnings);
+
+/// What the light that lights scene `scene` says of irradiance, which is not drawn by. `root` is of a file whose light
+/// read_image_light has taken.
+FileSurvey::Irradiance read_irradiance(const JsonView& root, std::size_t scene);
 
 }  // namespace candela::io

@@ -12,6 +12,7 @@
 #include "image/image_file.h"
 #include "io/foreign_scene.h"
 #include "io/gltf_files.h"
+#include "io/gltf_image_light.h"
 #include "io/gltf_material.h"
 #include "io/gltf_material_reader.h"
 #include "io/gltf_mesh.h"
@@ -247,6 +248,7 @@ FileSurvey Surveyor::survey(const SurveyOptions& options) {
   find_meshes(options.scene);
   find_materials();
   survey_images(options.decode_images, result);
+  result.irradiance = read_irradiance(root_, find_scene(root_, options.scene));
   if (!options.read_geometry) return result;
   for (const std::size_t index : meshes_) {
     const JsonView primitives = root_.at("meshes")[index].at("primitives");

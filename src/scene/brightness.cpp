@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "scene/builtin_environment.h"
+#include "scene/environment.h"
 #include "shade/color.glsl.h"
 
 namespace candela {
@@ -186,7 +186,7 @@ double mean_illuminance(const Environment& environment) {
     for (int y = 0; y < map.height; ++y) {
       double row = 0.0;
       for (int x = 0; x < map.width; ++x) row += luminous(map.rgb(x, y));
-      flux += row * static_cast<double>(detail::map_solid_angle(y, map.width, map.height));
+      flux += row * static_cast<double>(map_solid_angle(y, map.width, map.height));
     }
   }
   flux += 4.0 * static_cast<double>(kPi) * luminous(environment.constant);

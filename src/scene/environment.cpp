@@ -1,55 +1,16 @@
 #include "scene/environment.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "image/cube_panorama.h"
-#include "scene/builtin_environment.h"
 
 namespace candela {
 namespace {
-
-constexpr float kDefaultSunElevation = 35.0f;
-
-/// Degrees after "sky:".
-float parse_sun_elevation(const std::string& name) {
-  float value = 0.0f;
-  const char* const begin = name.data() + std::string("sky:").size();
-  const char* const end = name.data() + name.size();
-  const auto parsed = std::from_chars(begin, end, value);
-  if (parsed.ec != std::errc() || parsed.ptr != end || !(value >= -5.0f && value <= 90.0f))
-    throw Error("the sun's elevation is a number of degrees from -5 to 90", name);
-  return value;
-}
-
-Image without_alpha(Image image) {
-  if (image.channels == 3) return image;
-  Image result(image.width, image.height, 3);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) result.set_rgb(x, y, image.rgb(x, y));
-  return result;
-}
-
-Environment load_environment(const std::string& path, Diagnostics* diagnostics) {
-  EnvironmentFile file = read_clean_environment(path);
-  if (file.cube.empty()) {
-    check_panorama(file.panorama, path);
-  } else {
-    file.panorama = panorama_of_cube(file.cube.levels[0], path);
-  }
-  if (diagnostics != nullptr)
-    for (Diagnostic& warning : file.warnings) diagnostics->warn(std::move(warning.message), std::move(warning.where));
-  Environment environment;
-  environment.name = std::filesystem::path(path).filename().string();
-  environment.map = std::make_shared<Image>(without_alpha(std::move(file.panorama)));
-  return environment;
-}
 
 vec3 lookup(const Image& map, vec3 d) {
   const float u = 0.5f + std::atan2(d.z, d.x) / (2.0f * kPi);
@@ -70,8 +31,6 @@ vec3 lookup(const Image& map, vec3 d) {
 
 }  // namespace
 
-namespace detail {
-
 vec3 map_direction(float x, float y, int width, int height) {
   const float azimuth = (x / static_cast<float>(width) - 0.5f) * 2.0f * kPi;
   const float polar = y / static_cast<float>(height) * kPi;
@@ -83,8 +42,6 @@ float map_solid_angle(int row, int width, int height) {
   const float bottom = kPi * static_cast<float>(row + 1) / static_cast<float>(height);
   return (std::cos(top) - std::cos(bottom)) * 2.0f * kPi / static_cast<float>(width);
 }
-
-}  // namespace detail
 
 Image panorama_of_cube(const CubeFaces& faces, const std::string& where) {
   constexpr std::uint64_t kPerTexel = 3 * sizeof(dvec3) + sizeof(vec3);  // what the conversion holds
@@ -105,7 +62,7 @@ Image turned_panorama(const Image& map, const quat& world_from_map) {
         for (int i = 0; i < kSide * kSide; ++i) {
           const float across = static_cast<float>(x) + (static_cast<float>(i % kSide) + 0.5f) / kSide;
           const float down = static_cast<float>(y) + (static_cast<float>(i / kSide) + 0.5f) / kSide;
-          sum += lookup(map, map_from_world * detail::map_direction(across, down, map.width, map.height));
+          sum += lookup(map, map_from_world * map_direction(across, down, map.width, map.height));
         }
         result.set_rgb(x, y, sum / static_cast<float>(kSide * kSide));
       }
@@ -114,31 +71,12 @@ Image turned_panorama(const Image& map, const quat& world_from_map) {
   return result;
 }
 
-bool is_built_in_environment(const std::string& name) {
-  return name == "studio" || name == "sky" || name.starts_with("sky:") || name == "furnace" || name == "none";
-}
-
 void check_panorama(const Image& image, const std::string& where) {
   // A few pixels more or less come from resizing; anything else is no full panorama.
   if (std::abs(static_cast<float>(image.width) / static_cast<float>(image.height) - 2.0f) > 0.05f)
     throw Error("an equirectangular environment is twice as wide as high, this image is " +
                     std::to_string(image.width) + "x" + std::to_string(image.height),
                 where);
-}
-
-Environment make_environment(const std::string& name_or_path, Diagnostics* diagnostics) {
-  if (name_or_path == "none") return {};
-  if (name_or_path == "furnace") {
-    Environment environment;
-    environment.name = "furnace";
-    environment.constant = vec3(1.0f);
-    environment.exposure = 1.0f;
-    return environment;
-  }
-  if (name_or_path == "studio") return detail::make_studio();
-  if (name_or_path == "sky") return detail::make_sky(kDefaultSunElevation);
-  if (name_or_path.starts_with("sky:")) return detail::make_sky(parse_sun_elevation(name_or_path));
-  return load_environment(name_or_path, diagnostics);
 }
 
 vec3 environment_radiance(const Environment& environment, vec3 d) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "image/texture_file.h"
+#include "math/types.h"
 
 namespace candela {
 
@@ -41,9 +42,16 @@ struct FileSurvey {
     std::string name;   ///< as the file has it
   };
 
+  /// What EXT_lights_image_based says of irradiance, beside the pictures that the scene is lit by.
+  struct Irradiance {
+    std::vector<dvec3> coefficients;  ///< of harmonics to degree 2, as ibl::Sh has them; empty = it says nothing
+    quat world_from_light{1.0f, 0.0f, 0.0f, 0.0f};
+  };
+
   std::vector<Image> images;          ///< as Scene::images
   std::vector<Primitive> primitives;  ///< of triangles, each once, in the file's order
   std::vector<Outside> outside;       ///< in the file's order
+  Irradiance irradiance;
 };
 
 }  // namespace candela

@@ -12,6 +12,13 @@ SHADE_FN float dispersion_ior(float n_d, float dispersion, float wavelength_nm) 
   return max(n_d + (n_d - 1.0f) * per_abbe * (523655.0f / (wavelength_nm * wavelength_nm) - 1.5168f), 1.0f);
 }
 
+/// One index for each channel of linear Rec.709, of what draws no spectrum: at the wavelength whose 1/λ², and so whose
+/// index, is the mean over the sensitivities below.
+SHADE_FN vec3 dispersion_channel_ior(float n_d, float dispersion) {
+  return vec3(dispersion_ior(n_d, dispersion, 591.9f), dispersion_ior(n_d, dispersion, 536.7f),
+              dispersion_ior(n_d, dispersion, 451.9f));
+}
+
 // One wavelength for a path that has met dispersion. The channels of linear Rec.709 are integrals of the spectrum with
 // the sensitivities w_r, w_g, w_b ≥ 0, ∫ w dλ = 1, so that white stays white: L_c = ∫ w_c(λ) L_c(λ) dλ. They are the
 // CIE 1931 observer times D65 in Rec.709, cut at 0 and scaled, and then written as a sum of logistic densities, which

@@ -106,6 +106,26 @@ class ImageLight(CliTest):
         findings = json.loads(self.run_candela("check", "b/ball.gltf", "--json").out)["assets"][0]["findings"]
         self.assertEqual([f["code"] for f in findings if f["subject"] == "EXT_lights_image_based"], ["extension-uncommon"])
 
+    def test_coefficients_that_contradict_the_pictures_are_told(self):
+        def contradictions(change, **light):
+            scene = self.lit_ball("studio", **light)
+            own = scene["extensions"]["EXT_lights_image_based"]["lights"][0]
+            own["irradianceCoefficients"] = change(own["irradianceCoefficients"])
+            (self.folder / "b" / "ball.gltf").write_text(json.dumps(scene))
+            findings = json.loads(self.run_candela("check", "b/ball.gltf", "--json").out)["assets"][0]["findings"]
+            return [f for f in findings if f["code"] == "irradiance-contradicts"]
+
+        half = math.sqrt(0.5)
+        tilted = [0.5, 0.5, 0.5, 0.5]
+        for rotation in ([0, 0, 0, 1], [0, half, 0, half], tilted):
+            self.assertEqual(contradictions(lambda c: c, rotation=rotation, intensity=3), [], rotation)
+        (by_pi,) = contradictions(lambda c: [[x / math.pi for x in rgb] for rgb in c])
+        self.assertAlmostEqual(by_pi["measured"]["scale"], math.pi, delta=0.05)
+        self.assertEqual((by_pi["severity"], by_pi["subject"]), ("warning", "image-based light 0"))
+        self.assertIn("multiply them by 3.1", by_pi["fix"])
+        (turned,) = contradictions(lambda c: [c[0], c[3], c[1], c[2], *c[4:]])
+        self.assertIsNone(turned["fix"])
+
     def test_a_light_that_moves_follows_the_moment_and_a_sequence_says_that_it_stands(self):
         scene = self.lit_ball("furnace")
         numbers = base64.b64encode(struct.pack("<4f", 0, 1, 1, 0)).decode()

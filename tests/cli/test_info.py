@@ -119,6 +119,19 @@ class Info(CliTest):
         self.assertEqual((info["size"], info["size_hint"]), ([2, 2, 0], "a person"))
         self.assertRegex(self.succeeds("info", "a.glb").out, r"(?m)^size +2 x 2 x 0 m, as large as a person$")
 
+    def test_a_cameras_own_lens_is_told(self):
+        lens = {"fStop": 2.8, "focalLength": 0.05, "focusDistance": 3}
+        physical = {"extensionsUsed": ["EXT_camera_physical"], "scenes": [{"nodes": [0, 1]}], "nodes": [{"camera": 0}, {"camera": 1}]}
+        plain = {"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}
+        cameras = [plain, {**plain, "extensions": {"EXT_camera_physical": lens}}]
+        (self.folder / "a.gltf").write_text(json.dumps({"asset": {"version": "2.0"}, **physical, "cameras": cameras}))
+        lenses = [camera["lens"] for camera in self.json_of("a.gltf")["cameras"]]
+        self.assertIsNone(lenses[0])
+        self.assertAlmostEqual(lenses[1]["f_number"], 2.8, delta=1e-6)
+        self.assertAlmostEqual(lenses[1]["focal_length_mm"], 50, delta=1e-4)
+        self.assertEqual(lenses[1]["focus_distance_m"], 3)
+        self.assertRegex(self.succeeds("info", "a.gltf").out, r"f/2\.8, a lens of 50 mm, sharp at 3 m")
+
     def test_big_file_answers_at_once(self):
         big = self.assets() / "models" / "DamagedHelmet" / "glTF-Binary" / "DamagedHelmet.glb"
         if not big.exists():

@@ -60,25 +60,24 @@ class Display(CliTest):
         self.addCleanup(viewer.wait)
         self.addCleanup(viewer.kill)
 
-        def wait_for(text):
+        def wait_for(text, times=1):
             for _ in range(300):
                 log.seek(0)
-                if text in log.read():
+                if log.read().count(text) >= times:
                     return
                 self.assertIsNone(viewer.poll())
                 time.sleep(0.1)
             self.fail(f"not told: {text}")
 
-        time.sleep(2)
+        wait_for("first picture")
         present = shaders / "present.frag.glsl"
         good = present.read_text()
         present.write_text(good + "mistake\n")
         wait_for("present.frag.glsl:")
-        time.sleep(1)
+        present.write_text(good)
+        wait_for("shaders reloaded", 2)
         log.seek(0)
         self.assertEqual(log.read().count("the driver refuses"), 1)
-        present.write_text(good)
-        time.sleep(1)
         self.assertIsNone(viewer.poll())
 
 

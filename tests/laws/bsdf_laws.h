@@ -4,26 +4,26 @@
 #include <functional>
 #include <string>
 
-#include "study/laws.h"
-#include "study/surfaces.h"
+#include "laws/laws.h"
+#include "laws/surfaces.h"
 
 // Each law takes any pair of functions that claims to be a BSDF and says whether it holds, with the numbers that
 // decided. The real surface must pass, its mutants must not: a law that cannot fail proves nothing.
 
 namespace candela::laws {
 
+using laws::Bsdf;
+using laws::Closure;
+using laws::direction;
+using laws::NamedSurface;
+using laws::Promise;
+using laws::real_bsdf;
+using laws::view_directions;
 using shade::SurfaceEval;
 using shade::SurfaceParams;
 using shade::SurfaceSample;
 using shade::vec2;
 using shade::vec3;
-using study::Bsdf;
-using study::Closure;
-using study::direction;
-using study::NamedSurface;
-using study::Promise;
-using study::real_bsdf;
-using study::view_directions;
 
 struct Verdict {
   bool holds = true;

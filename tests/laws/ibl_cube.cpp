@@ -10,8 +10,8 @@
 #include "ibl/sampling.h"
 #include "ibl/verify.h"
 #include "laws/ibl_scenes.h"
+#include "laws/quadrature.h"
 #include "shade/cube.glsl.h"
-#include "study/quadrature.h"
 
 namespace candela::laws {
 namespace {
@@ -38,9 +38,9 @@ TEST(law_ibl_cube, texels_have_the_solid_angle_of_their_density) {
     for (int x = 0; x < 5; ++x) {
       const double exact = cube_texel_solid_angle(5, x, y);
       sum += 6.0 * exact;
-      const double by_density = study::integrate(
+      const double by_density = laws::integrate(
           [&](double t) {
-            return study::integrate(
+            return laws::integrate(
                 [&](double s) {
                   return static_cast<double>(
                       shade::cube_solid_angle_density(static_cast<float>(s), static_cast<float>(t)));

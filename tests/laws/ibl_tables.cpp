@@ -9,12 +9,12 @@
 #include "ibl/tables.h"
 #include "ibl/verify.h"
 #include "laws/ibl_scenes.h"
+#include "laws/laws.h"
+#include "laws/quadrature.h"
 #include "laws/split_sums.h"
 #include "shade/fresnel.glsl.h"
 #include "shade/microfacet.glsl.h"
 #include "shade/surface_constants.glsl.h"
-#include "study/laws.h"
-#include "study/quadrature.h"
 
 namespace candela::laws {
 namespace {
@@ -25,15 +25,15 @@ constexpr std::array<float, 4> kRoughnesses = {0.2f, 0.4f, 0.7f, 1.0f};
 /// Over the hemisphere by another quadrature than the tables'.
 template <class F>
 double over_hemisphere(vec3 wo, const F& f) {
-  const study::DirectionFunction g = [&](vec3 wi) { return glm::dvec4(static_cast<double>(f(wi))); };
+  const laws::DirectionFunction g = [&](vec3 wi) { return glm::dvec4(static_cast<double>(f(wi))); };
   const std::array<vec3, 1> peaks = {vec3(-wo.x, -wo.y, wo.z)};
-  return study::HemisphereQuadrature(g, peaks, study::QuadratureOptions{}).integral().x;
+  return laws::HemisphereQuadrature(g, peaks, laws::QuadratureOptions{}).integral().x;
 }
 
 TEST(law_ibl_tables, equal_quadrature) {
   for (const float mu : kCosines) {
     for (const float r : kRoughnesses) {
-      const vec3 wo = study::direction(mu, 0.0f);
+      const vec3 wo = laws::direction(mu, 0.0f);
       const float alpha = shade::roughness_to_alpha(r), k = shade::schlick_k_ibl(r);
       const auto sum = [&](bool is_k, bool grazing) {
         return over_hemisphere(wo, [&](vec3 wi) {
@@ -75,7 +75,7 @@ TEST(law_ibl_tables, texels_stand_where_they_are_said_to) {
   EXPECT_EQ(tables.dfg_k_ibl.rgb(2, 5), vec3(ibl::split_sum_k_ibl(2.5f / 8.0f, 5.5f / 8.0f), 0.0f));
 }
 
-TEST(law_ibl_tables, furnace_stays_white_through_prefilter_and_table) {
+TEST(law_ibl_tables, prefilter_and_table_reflect_of_a_furnace_what_the_lobe_does_once) {
   const ibl::Source furnace = panorama(64, [](dvec3) { return dvec3(1.0); });
   const std::vector<dvec3> directions = ibl::random_directions(12, 3);
   double uncompensated = 0.0;
@@ -84,9 +84,8 @@ TEST(law_ibl_tables, furnace_stays_white_through_prefilter_and_table) {
     const std::vector<dvec3> filtered = ibl::Prefilter(furnace, {kernel}, {}).at(kernel, directions);
     for (const float mu : kCosines) {
       const vec2 ab = ibl::split_sum(mu, r);
-      // What the material reflects of a white furnace once, by quadrature; and all of it with Turquin's factor (2019,
-      // "Practical Multiple Scattering Compensation for Microfacet Models", eq. 16).
-      const vec3 wo = study::direction(mu, 0.0f);
+      // What the material reflects of a white furnace once, by quadrature.
+      const vec3 wo = laws::direction(mu, 0.0f);
       const float alpha = shade::roughness_to_alpha(r);
       const double once = over_hemisphere(wo, [&](vec3 wi) {
         return shade::ggx_d(glm::normalize(wo + wi), alpha) * shade::ggx_v_smith(wo, wi, alpha) * wi.z;
@@ -94,12 +93,11 @@ TEST(law_ibl_tables, furnace_stays_white_through_prefilter_and_table) {
       for (const dvec3& v : filtered) {
         const double split = v.x * static_cast<double>(ab.x + ab.y);
         EXPECT_NEAR(split, once, 8e-4) << r << ' ' << mu;
-        EXPECT_NEAR(split * (1.0 + (1.0 / once - 1.0)), 1.0, 1e-3) << r << ' ' << mu;
         uncompensated = std::max(uncompensated, 1.0 - split);
       }
     }
   }
-  EXPECT_GT(uncompensated, 0.3);
+  EXPECT_GT(uncompensated, 0.3) << "where light leaves after several reflections, once is not all";
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ Verdict pdf_is_inverse_jacobian(const Bsdf& bsdf, const Trial& /*trial*/) {
     const Closure closure = bsdf.seen_from(wo);
     const std::vector<Branch> branches = find_branches(closure);
     for (int i = 0; i < kTargets; ++i) {
-      const SurfaceSample s = closure.draw(study::lattice_point(37 * i + 5));
+      const SurfaceSample s = closure.draw(laws::lattice_point(37 * i + 5));
       // Where a lobe is narrower than the steps of single precision there is no derivative to take.
       if (!is_drawn(s) || std::abs(s.wi.z) < 0.02f || s.pdf > 1e3f) continue;
       const auto pdf = static_cast<double>(closure.eval(s.wi).pdf);

@@ -6,18 +6,18 @@
 #include <cmath>
 #include <vector>
 
+#include "laws/laws.h"
+#include "laws/quadrature.h"
 #include "shade/surface.glsl.h"
-#include "study/laws.h"
-#include "study/quadrature.h"
 
 namespace candela::laws {
 namespace {
 
+using laws::direction;
 using shade::Surface;
 using shade::SurfaceParams;
 using shade::vec2;
 using shade::vec3;
-using study::direction;
 
 constexpr float kCosines[] = {1.0f, 0.8f, 0.6f, 0.4f, 0.2f, 0.05f};
 constexpr float kIndices[] = {1.0f, 1.2f, 1.33f, 1.5f, 1.76f, 2.42f};
@@ -34,7 +34,7 @@ SurfaceParams black_gloss(float ior) {
 /// What a smooth surface reflects.
 vec3 mirrored(const SurfaceParams& p, float cosine) {
   vec3 sum(0.0f);
-  for (const study::DeltaLobe& lobe : study::delta_lobes(study::real_bsdf(p).seen_from(direction(cosine, 0.4f)))) {
+  for (const laws::DeltaLobe& lobe : laws::delta_lobes(laws::real_bsdf(p).seen_from(direction(cosine, 0.4f)))) {
     sum += lobe.value;
   }
   return sum;
@@ -131,13 +131,13 @@ double worst_table(float ior, float table_ior) {
       const float alpha = shade::roughness_to_alpha(r);
       const vec3 wo = direction(mu, 0.3f);
       const float scale = shade::fresnel_rise_scale(ior);
-      const study::DirectionFunction f = [&](vec3 wi) {
+      const laws::DirectionFunction f = [&](vec3 wi) {
         const vec3 wm = glm::normalize(wo + wi);
         return glm::dvec4(static_cast<double>(shade::ggx_d(wm, alpha) * shade::ggx_v_smith(wo, wi, alpha) * wi.z *
                                               shade::fresnel_rise(glm::dot(wo, wm), ior, scale)));
       };
       const std::array<vec3, 1> peaks = {vec3(-wo.x, -wo.y, wo.z)};
-      const double b = study::HemisphereQuadrature(f, peaks, {}).integral().x;
+      const double b = laws::HemisphereQuadrature(f, peaks, {}).integral().x;
       const vec2 ab = shade::table_ggx_curve(mu, shade::table_ggx_roughness(r), shade::table_curve(table_ior));
       worst = std::max(worst, std::abs(static_cast<double>(ab.y) - b));
     }

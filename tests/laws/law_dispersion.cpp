@@ -111,6 +111,28 @@ TEST(law_dispersion, sensitivities_are_those_of_the_observer_in_rec709) {
             0.2);
 }
 
+using ChannelIor = std::function<vec3(float n_d, float dispersion)>;
+
+bool is_the_mean_index(const ChannelIor& ior) {
+  for (const float n_d : {1.33f, 1.8f}) {
+    for (const float dispersion : {0.4f, 8.0f}) {
+      const dvec3 mean = integral(
+          [&](float nm) { return shade::wavelength_sensitivity(nm) * shade::dispersion_ior(n_d, dispersion, nm); });
+      const double spread = static_cast<double>((n_d - 1.0f) * dispersion / 20.0f);
+      if (glm::any(glm::greaterThan(glm::abs(dvec3(ior(n_d, dispersion)) - mean), dvec3(2e-3 * spread)))) return false;
+    }
+  }
+  return true;
+}
+
+TEST(law_dispersion, one_index_for_a_channel_is_the_mean_over_its_sensitivity) {
+  EXPECT_TRUE(is_the_mean_index(shade::dispersion_channel_ior));
+  // The lines C, d and F are no channels.
+  EXPECT_FALSE(is_the_mean_index([](float n_d, float dispersion) {
+    return vec3(shade::dispersion_ior(n_d, dispersion, 656.3f), n_d, shade::dispersion_ior(n_d, dispersion, 486.1f));
+  }));
+}
+
 // ----- sampling
 
 using Warp = std::function<float(float u)>;

@@ -5,19 +5,19 @@
 #include <array>
 #include <cmath>
 
+#include "laws/laws.h"
 #include "shade/facet_walk.h"
 #include "shade/surface.glsl.h"
-#include "study/laws.h"
 #include "support/random.h"
 
 namespace candela::laws {
 namespace {
 
+using laws::direction;
 using shade::Surface;
 using shade::SurfaceParams;
 using shade::vec2;
 using shade::vec3;
-using study::direction;
 using test::Pcg32;
 
 using Walk = shade::FacetWalk<Pcg32>;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "math/spectrum.h"
 #include "shade/units.glsl.h"
 #include "support/quadrature.h"
 
@@ -277,8 +278,14 @@ TEST(law_units, every_conversion_is_undone_by_its_inverse) {
   EXPECT_FALSE(near(shade::units_watts_from_lumens(shade::units_lumens_from_watts(1.0f, 93.0f), 683.0f), 1.0f));
 }
 
-TEST(law_units, a_watt_of_555_nm_is_683_lumens) {
-  EXPECT_EQ(shade::units_lumens_from_watts(1.0f, shade::kLuminousEfficacy), 683.0f);
+// The luminous efficacy of a wavelength is that of 555 nm times the observer's ȳ.
+TEST(law_units, a_watt_of_555_nm_is_683_lumens_and_no_other_is_more) {
+  const auto lumens = [](double nm) {
+    return shade::units_lumens_from_watts(1.0f, shade::kLuminousEfficacy * static_cast<float>(cie_xyz(nm).y));
+  };
+  EXPECT_NEAR(lumens(555.0), 683.0f, 1.0f);
+  EXPECT_NEAR(lumens(507.0), 683.0f * 0.4433f, 2.0f);  // photopic V(λ) of CIE 1924
+  for (double nm = 400.0; nm <= 700.0; nm += 5.0) EXPECT_LE(lumens(nm), lumens(555.0) * 1.001f) << nm;
 }
 
 // All light of a lamp in the middle of a sphere falls on it, and the sphere, if Lambertian, shows E ρ / π.

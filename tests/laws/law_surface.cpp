@@ -155,7 +155,7 @@ TEST(law_surface, refraction_obeys_snell_and_scales_radiance) {
     for (const float cosine : {0.2f, 0.5f, 0.8f, 0.95f, 1.0f}) {
       const vec3 wo = direction(cosine, 0.4f);
       const float sine = std::sqrt(1.0f - cosine * cosine);
-      for (const study::DeltaLobe& lobe : study::delta_lobes(real_bsdf(glass(eta)).seen_from(wo))) {
+      for (const laws::DeltaLobe& lobe : laws::delta_lobes(real_bsdf(glass(eta)).seen_from(wo))) {
         if (lobe.wi.z > 0.0f) continue;
         ++refracted;
         const float sine_t = std::sqrt(lobe.wi.x * lobe.wi.x + lobe.wi.y * lobe.wi.y);
@@ -164,8 +164,8 @@ TEST(law_surface, refraction_obeys_snell_and_scales_radiance) {
         EXPECT_NEAR(lobe.value.y, (1.0f - shade::fresnel_dielectric(cosine, eta)) / (eta * eta), 1e-4f);
         EXPECT_GT(std::abs(lobe.value.y - (1.0f - shade::fresnel_dielectric(cosine, eta))), 0.05f);  // and not without
       }
-      EXPECT_EQ(sine / eta < 1.0f, !study::delta_lobes(real_bsdf(glass(eta)).seen_from(wo)).empty() &&
-                                       study::delta_lobes(real_bsdf(glass(eta)).seen_from(wo)).back().wi.z < 0.0f)
+      EXPECT_EQ(sine / eta < 1.0f, !laws::delta_lobes(real_bsdf(glass(eta)).seen_from(wo)).empty() &&
+                                       laws::delta_lobes(real_bsdf(glass(eta)).seen_from(wo)).back().wi.z < 0.0f)
           << "total reflection alone beyond the critical angle, cosine " << cosine << ", eta " << eta;
     }
     EXPECT_GT(refracted, 0);
@@ -177,7 +177,7 @@ TEST(law_surface, refraction_obeys_snell_and_scales_radiance) {
 TEST(law_surface, glass_reflects_half_of_one_polarisation_at_brewsters_angle) {
   for (const float eta : {1.33f, 1.5f, 2.42f}) {
     const float cosine = 1.0f / std::sqrt(1.0f + eta * eta);
-    const auto lobes = study::delta_lobes(real_bsdf(glass(eta)).seen_from(direction(cosine, 0.4f)));
+    const auto lobes = laws::delta_lobes(real_bsdf(glass(eta)).seen_from(direction(cosine, 0.4f)));
     ASSERT_FALSE(lobes.empty());
     const float n2 = eta * eta;
     const float expected = 0.5f * (n2 - 1.0f) * (n2 - 1.0f) / ((n2 + 1.0f) * (n2 + 1.0f));

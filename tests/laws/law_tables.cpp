@@ -5,25 +5,25 @@
 #include <array>
 #include <cmath>
 
+#include "laws/laws.h"
+#include "laws/quadrature.h"
 #include "laws/split_sums.h"
 #include "shade/surface.glsl.h"
-#include "study/laws.h"
-#include "study/quadrature.h"
 
 namespace candela::laws {
 namespace {
 
+using laws::direction;
 using shade::vec2;
 using shade::vec3;
-using study::direction;
 
 template <class F>
 double over_hemisphere(vec3 wo, const F& f, int even_depth = 0) {
-  const study::DirectionFunction g = [&](vec3 wi) { return glm::dvec4(static_cast<double>(f(wi))); };
+  const laws::DirectionFunction g = [&](vec3 wi) { return glm::dvec4(static_cast<double>(f(wi))); };
   const std::array<vec3, 1> peaks = {vec3(-wo.x, -wo.y, wo.z)};
-  study::QuadratureOptions options;
+  laws::QuadratureOptions options;
   options.even_depth = even_depth;
-  return study::HemisphereQuadrature(g, peaks, options).integral().x;
+  return laws::HemisphereQuadrature(g, peaks, options).integral().x;
 }
 
 /// The white lobe, with `weight` of the cosine at the facet.

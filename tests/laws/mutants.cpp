@@ -42,7 +42,7 @@ bool is_rough_body(const SurfaceParams& p) {
 Bsdf spoilt(const SurfaceParams& p, const std::function<Closure(const Surface&, vec3 wo)>& spoil) {
   Bsdf bsdf = real_bsdf(p);
   bsdf.seen_from = [p, spoil](vec3 wo) { return spoil(shade::surface_prepare(p, wo), wo); };
-  const SurfaceParams behind = study::params_from_behind(p);
+  const SurfaceParams behind = laws::params_from_behind(p);
   bsdf.seen_from_behind = [behind, spoil](vec3 wo) { return spoil(shade::surface_prepare(behind, wo), wo); };
   return bsdf;
 }

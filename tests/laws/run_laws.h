@@ -21,7 +21,7 @@ using Rows = std::vector<NamedSurface>;
 inline Rows rows(std::size_t stride, const std::function<bool(const NamedSurface&)>& wanted) {
   Rows some;
   std::size_t count = 0;
-  for (NamedSurface& row : study::law_surfaces()) {
+  for (NamedSurface& row : laws::law_surfaces()) {
     if (wanted(row) && count++ % stride == 0) some.push_back(std::move(row));
   }
   return some;

@@ -1,12 +1,12 @@
 #pragma once
 
-#include "study/quadrature.h"
+#include "laws/quadrature.h"
 
 namespace candela::test {
 
-using study::DirectionFunction;
-using study::HemisphereQuadrature;
-using study::integrate;
-using study::QuadratureOptions;
+using laws::DirectionFunction;
+using laws::HemisphereQuadrature;
+using laws::integrate;
+using laws::QuadratureOptions;
 
 }  // namespace candela::test

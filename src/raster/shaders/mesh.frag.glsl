@@ -1,5 +1,6 @@
 #include "frame.glsl"
 #include "shade/image_light.glsl.h"
+#include "shade/dispersion.glsl.h"
 #include "shade/workflow.glsl.h"
 #include "material.glsl"
 #ifdef HAS_AREAS
@@ -399,12 +400,10 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open
   // The lobe narrows as the bend does.
   float bent_alpha = alpha * clamp(2.0 * n - 2.0, 0.0, 1.0);
   vec3 color;
-  // Abbe number 20 / dispersion between the lines F and C: half of n's spread to red and to blue.
-  float half_spread = 0.5 * (n - 1.0) * material.dispersion / 20.0;
-  int rays = half_spread > 0.0 ? 3 : 1;
+  vec3 channel_ior = dispersion_channel_ior(n, material.dispersion);
+  int rays = material.dispersion > 0.0 && n > 1.0 ? 3 : 1;
   for (int i = 0; i < rays; ++i) {
-    float ni = n + half_spread * float(i - (rays == 3 ? 1 : 0));
-    vec3 inner = refract(-p.wo, p.normal, 1.0 / ni);
+    vec3 inner = refract(-p.wo, p.normal, 1.0 / (rays == 3 ? channel_ior[i] : n));
     if (dot(inner, inner) < 0.5) inner = -p.wo;
     vec3 seen = behind(v_position + inner * thickness, inner, bent_alpha, seen_open);
     if (rays == 1) {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "laws/quadrature.h"
 #include "shade/microfacet.glsl.h"
-#include "study/quadrature.h"
 
 namespace candela::ibl {
 namespace {
@@ -15,7 +15,7 @@ constexpr double kPiD = std::numbers::pi;
 
 /// 2π ∫ K(c) c^power dc by other panels than the kernel's own.
 double moment(const Kernel& kernel, int power) {
-  return study::integrate(
+  return laws::integrate(
       [&](double theta) {
         const double s = std::sin(0.5 * theta);
         return 2.0 * kPiD * std::sin(theta) * kernel(2.0 * s * s) * std::pow(std::cos(theta), power);

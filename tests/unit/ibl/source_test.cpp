@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "content/make_environment.h"
 #include "scene/environment.h"
 
 namespace candela::ibl {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "content/make_environment.h"
 #include "image/film.h"
 #include "image/image_file.h"
 #include "scene/view.h"

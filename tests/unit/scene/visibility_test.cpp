@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "content/make_environment.h"
 #include "scene/brightness.h"
 #include "scene/environment.h"
 

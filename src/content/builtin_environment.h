@@ -1,0 +1,13 @@
+#pragma once
+
+#include "scene/scene.h"
+
+namespace candela::content {
+
+/// Clear sky with the sun `elevation_deg` above the horizon, in [-5, 90]; see make_environment.
+Environment make_sky(float elevation_deg);
+
+/// Softboxes in a light grey room; see make_environment.
+Environment make_studio();
+
+}  // namespace candela::content
