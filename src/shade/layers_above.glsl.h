@@ -104,6 +104,15 @@ SHADE_FN vec3 layers_diffuse_through(SHADE_IN(Surface) s, vec3 wi, LayersAt at, 
   return through * s.film_below_o * iridescence_below_at(s, ab, wi) * s.film_below_scale;
 }
 
+/// The same by the model's blend.
+SHADE_FN vec3 layers_diffuse_share(SHADE_IN(Surface) s, vec3 wo, vec3 wi, float cos_m, LayersAt at, vec2 ab) {
+  if (s.model.blend == kBlendAlbedo) return layers_diffuse_through(s, wi, at, ab);
+  float share = layers_across(s, at);
+  if (s.model.blend == kBlendHalfVector) share *= 1.0f - shade_max3(terms_fresnel_dielectric(s, cos_m));
+  if (s.model.blend == kBlendView) share *= 1.0f - shade_max3(terms_fresnel_dielectric(s, wo.z));
+  return vec3(share);
+}
+
 SHADE_END
 
 #endif

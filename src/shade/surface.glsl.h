@@ -69,7 +69,7 @@ SHADE_FN SurfaceSample surface_sample(SHADE_IN(Surface) s, vec3 wo, vec3 u) {
 /// What passes straight through a smooth sheet: the weight of the delta lobe that leaves at -wo.
 SHADE_FN vec3 surface_straight(SHADE_IN(Surface) s, vec3 wo) {
   if ((s.lobes & kLobeTransmission) == 0) return vec3(0.0f);
-  return glass_straight(s, wo);
+  return layers_straight(s, wo);
 }
 
 /// Reflectance estimate for the film's albedo layer: what a denoiser should divide out.
@@ -79,9 +79,9 @@ SHADE_FN vec3 surface_albedo(SHADE_IN(Surface) s) {
 }
 
 /// What is left of emission on its way out through the layers above the base.
-SHADE_FN float surface_emission_scale(SHADE_IN(Surface) s) {
-  if ((s.lobes & (kLobeSheen | kLobeClearcoat)) == 0) return 1.0f;
-  return (1.0f - s.coat * s.coat_albedo_o) * (1.0f - s.sheen_weight * s.sheen_albedo_o);
+SHADE_FN vec3 surface_emission_scale(SHADE_IN(Surface) s) {
+  if ((s.lobes & (kLobeSheen | kLobeClearcoat)) == 0) return vec3(1.0f);
+  return layers_emission_scale(s);
 }
 
 SHADE_END

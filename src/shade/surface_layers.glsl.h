@@ -8,6 +8,7 @@
 #include "shade/lobe_iridescence.glsl.h"
 #include "shade/lobe_sheen.glsl.h"
 #include "shade/lobe_transmission.glsl.h"
+#include "shade/model_shares.glsl.h"
 
 // The base with what may lie above and below it:
 //
@@ -116,15 +117,6 @@ SHADE_FN bool layers_scatters_through(SHADE_IN(Surface) s) { return !below_is_de
 
 // ----- evaluation
 
-/// The same by the model's blend.
-SHADE_FN vec3 layers_diffuse_share(SHADE_IN(Surface) s, vec3 wo, vec3 wi, float cos_m, LayersAt at, vec2 ab) {
-  if (s.model.blend == kBlendAlbedo) return layers_diffuse_through(s, wi, at, ab);
-  float share = layers_across(s, at);
-  if (s.model.blend == kBlendHalfVector) share *= 1.0f - shade_max3(terms_fresnel_dielectric(s, cos_m));
-  if (s.model.blend == kBlendView) share *= 1.0f - shade_max3(terms_fresnel_dielectric(s, wo.z));
-  return vec3(share);
-}
-
 SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
   SurfaceEval r;
   vec3 wm = wo + wi;
@@ -228,11 +220,42 @@ SHADE_APART SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, v
   return r;
 }
 
+/// What passes straight through a smooth sheet.
+SHADE_APART SHADE_FN vec3 layers_straight(SHADE_IN(Surface) s, vec3 wo) { return glass_straight(s, wo); }
+
+/// What is left of emission on its way out through the layers above the base.
+SHADE_FN vec3 layers_emission_scale(SHADE_IN(Surface) s) {
+  return vec3((1.0f - s.coat * s.coat_albedo_o) * (1.0f - s.sheen_weight * s.sheen_albedo_o));
+}
+
 /// Estimated albedo of everything; `specular` that of the base's facets.
 SHADE_APART SHADE_FN vec3 layers_albedo(SHADE_IN(Surface) s, vec3 specular) {
   float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
   return (s.diffuse + s.diffuse_below) * s.film_below_o * s.transmission_o +
          (specular + s.glass_tint * s.weight_glass) * through + sheen_share(s) + coat_share(s);
+}
+
+// ----- light that is the same from everywhere
+
+SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
+  float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
+  vec2 ab = anisotropy_ggx(s, wo, s.curve);
+  vec3 specular = s.specular_albedo_o;
+  // The tables know a film at normal incidence; here it has the colour of this angle.
+  if (s.iridescence > 0.0f) specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - s.single_albedo_o;
+  r.specular = specular * over;
+  r.diffuse = s.diffuse * s.film_below_o * s.transmission_o;
+  r.below = below_share(s);
+  r.sheen = sheen_share(s) * (1.0f - s.coat * s.coat_albedo_o);
+  r.coat = coat_share(s);
+#ifndef SHADE_DEFAULT_MODEL
+  if ((s.lobes & kLobeModel) != 0) {
+    r.specular = model_specular(s, wo);
+    r.diffuse = model_diffuse(s, wo);
+    if (s.sheen_weight > 0.0f) r.sheen = model_sheen(s, wo);
+  }
+#endif
+  glass_shares(s, wo, ab, over, r);
 }
 
 SHADE_END

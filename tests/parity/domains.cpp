@@ -146,6 +146,7 @@ const std::vector<Row>& rows() {
       {"*_is_delta:s/*p.*roughness", often(0.0f, often(0.0f, often(0.0f, uniform(0.0f, 1.0f))))},
       {"*_is_delta:s/*p.metallic", often(1.0f, often(1.0f, uniform(0.0f, 1.0f)))},
       {"layers_*:s/*p.lobes", lobes(shade::kLobeModel)},
+      {"model_*:s/*p.lobes", lobes(shade::kLobeModel)},
       {"layers_*:at/*p.lobes", lobes(shade::kLobeClearcoat)},
       {"base_*:s/*p.lobes", often(0.0f, lobes())},
 

@@ -1,9 +1,9 @@
-#ifndef CANDELA_SHADE_LAYER_SHARES_GLSL_H
-#define CANDELA_SHADE_LAYER_SHARES_GLSL_H
+#ifndef CANDELA_SHADE_MODEL_SHARES_GLSL_H
+#define CANDELA_SHADE_MODEL_SHARES_GLSL_H
 
-#include "shade/surface_layers.glsl.h"
+#include "shade/layers_above.glsl.h"
 
-// What each lobe of a layered surface returns of light that is the same from everywhere: shade/image_light.glsl.h.
+// What surfaces by the terms of other models return of light that is the same from everywhere.
 
 SHADE_BEGIN
 
@@ -11,18 +11,18 @@ SHADE_BEGIN
 /// recurrence with the plastic number.
 SHADE_CONST int kModelPoints = 64;
 
-SHADE_FN vec2 layers_model_point(int i) {
+SHADE_FN vec2 model_point(int i) {
   return fract(vec2(0.5f + 0.7548776662f * float(i), 0.5f + 0.5698402910f * float(i)));
 }
 
 /// The tables know the default terms of facets; of others what they reflect is the sum of their values.
-SHADE_FN vec3 layers_model_specular(SHADE_IN(Surface) s, vec3 wo) {
+SHADE_FN vec3 model_specular(SHADE_IN(Surface) s, vec3 wo) {
   vec3 mirrored = vec3(-wo.x, -wo.y, wo.z);
   if (s.is_mirror) return terms_fresnel_opaque(s, wo.z) * layers_over(s, layers_at(s, mirrored));
   bool is_wide = s.model.distribution == kDistributionCharlie;
   vec3 sum = vec3(0.0f);
   for (int i = 0; i < kModelPoints; ++i) {
-    vec2 u = layers_model_point(i);
+    vec2 u = model_point(i);
     vec3 wi = is_wide ? uniform_hemisphere_sample(u) : microfacet_reflect(wo, terms_sample_visible(s, wo, u));
     if (wi.z <= 0.0f) continue;
     vec3 wm = wo + wi;
@@ -36,10 +36,10 @@ SHADE_FN vec3 layers_model_specular(SHADE_IN(Surface) s, vec3 wo) {
   return sum * (1.0f / float(kModelPoints)) + lost * layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
 }
 
-SHADE_FN vec3 layers_model_diffuse(SHADE_IN(Surface) s, vec3 wo) {
+SHADE_FN vec3 model_diffuse(SHADE_IN(Surface) s, vec3 wo) {
   vec3 sum = vec3(0.0f);
   for (int i = 0; i < kModelPoints; ++i) {
-    vec3 wi = cosine_sample(layers_model_point(i));
+    vec3 wi = cosine_sample(model_point(i));
     if (wi.z <= 0.0f) continue;
     float cos_m = 0.5f * length(wo + wi);
     vec2 ab = anisotropy_ggx(s, wi, s.curve);
@@ -49,36 +49,15 @@ SHADE_FN vec3 layers_model_diffuse(SHADE_IN(Surface) s, vec3 wo) {
   return sum * (kShadePi / float(kModelPoints));
 }
 
-SHADE_FN vec3 layers_model_sheen(SHADE_IN(Surface) s, vec3 wo) {
+SHADE_FN vec3 model_sheen(SHADE_IN(Surface) s, vec3 wo) {
   vec3 sum = vec3(0.0f);
   for (int i = 0; i < kModelPoints; ++i) {
-    vec3 wi = uniform_hemisphere_sample(layers_model_point(i));
+    vec3 wi = uniform_hemisphere_sample(model_point(i));
     if (wi.z <= 0.0f) continue;
     LayersAt at = layers_at(s, wi);
     sum += sheen_eval(s, wo, wi, layers_below_coat(s, at), at.sheen_scale);
   }
   return sum * (2.0f * kShadePi / float(kModelPoints));
-}
-
-SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
-  float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
-  vec2 ab = anisotropy_ggx(s, wo, s.curve);
-  vec3 specular = s.specular_albedo_o;
-  // The tables know a film at normal incidence; here it has the colour of this angle.
-  if (s.iridescence > 0.0f) specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - s.single_albedo_o;
-  r.specular = specular * over;
-  r.diffuse = s.diffuse * s.film_below_o * s.transmission_o;
-  r.below = below_share(s);
-  r.sheen = sheen_share(s) * (1.0f - s.coat * s.coat_albedo_o);
-  r.coat = coat_share(s);
-#ifndef SHADE_DEFAULT_MODEL
-  if ((s.lobes & kLobeModel) != 0) {
-    r.specular = layers_model_specular(s, wo);
-    r.diffuse = layers_model_diffuse(s, wo);
-    if (s.sheen_weight > 0.0f) r.sheen = layers_model_sheen(s, wo);
-  }
-#endif
-  glass_shares(s, wo, ab, over, r);
 }
 
 SHADE_END
