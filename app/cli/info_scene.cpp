@@ -8,6 +8,7 @@
 
 #include "cli/info.h"
 #include "math/types.h"
+#include "scene/material_table.h"
 
 // What `candela info` says of a scene's textures, cameras, lights and size.
 namespace candela::cli {
@@ -60,9 +61,9 @@ std::vector<ImageUses> uses_of_images(const Scene& scene) {
       if (!*slots[i]) continue;
       ImageUses& use =
           uses[static_cast<std::size_t>(scene.textures[static_cast<std::size_t>(slots[i]->texture)].image)];
-      use.slots.insert(kTextureSlotNames[i]);
+      use.slots.insert(kTextureRows[i].source.key);
       use.materials.insert(number_of(scene.materials, m));
-      use.encodings.insert(is_srgb_slot(i));
+      use.encodings.insert(kTextureRows[i].is_srgb());
     }
   }
   return uses;

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "check/check_parts.h"
 #include "path/geometry.h"
+#include "scene/material_table.h"
 #include "scene/metals.h"
 #include "shade/fresnel.glsl.h"
 
@@ -49,25 +50,24 @@ struct Reading {
 /// A material's textures, as the path tracer reads them.
 class Reader {
  public:
-  Reader(const Scene& scene, const Material& material)
-      : data_(scene, material, shade::shading_model_candela()),
-        occlusion_(scene, material.occlusion_texture, path::Encoding::data) {}
+  Reader(const Scene& scene, const Material& material) : data_(scene, material, shade::shading_model_candela()) {}
 
   Reading at(const SurfaceSample& point) const;
 
  private:
-  static vec4 look_up(const path::TextureReader& texture, const SurfaceSample& point) {
+  template <TextureSlot Material::*kSlot>
+  vec4 look_up(const SurfaceSample& point) const {
+    const path::TextureReader& texture = data_.texture<kSlot>();
     return texture ? texture.sample(point.uv(texture.uv_set())) : vec4(1.0f);
   }
 
   path::MaterialData data_;
-  path::TextureReader occlusion_;
 };
 
 Reading Reader::at(const SurfaceSample& point) const {
   const Material& m = data_.factors;
-  const vec4 color = vec4(m.base_color, m.opacity) * point.color() * look_up(data_.base_color, point);
-  const vec4 metallic_roughness = look_up(data_.metallic_roughness, point);
+  const vec4 color = vec4(m.base_color, m.opacity) * point.color() * look_up<&Material::base_color_texture>(point);
+  const vec4 metallic_roughness = look_up<&Material::metallic_roughness_texture>(point);
   Reading r;
   r.base_color = vec3(color);
   if (m.alpha_mode == AlphaMode::mask) r.opacity = color.w >= m.alpha_cutoff ? 1.0f : 0.0f;
@@ -75,15 +75,15 @@ Reading Reader::at(const SurfaceSample& point) const {
   r.metallic = m.metallic * metallic_roughness.z;
   r.roughness = m.roughness * metallic_roughness.y;
   if (m.specular_glossiness) {
-    const vec4 texel = look_up(data_.specular_glossiness, point);
+    const vec4 texel = look_up<&Material::specular_glossiness_texture>(point);
     r.roughness = 1.0f - (1.0f - m.roughness) * texel.w;
     r.specular = max_component(m.specular_color * vec3(texel));
   }
-  r.transmission = std::max(m.transmission * look_up(data_.transmission, point).x,
-                            m.diffuse_transmission * look_up(data_.diffuse_transmission, point).w);
-  r.occlusion = look_up(occlusion_, point).x;
-  r.has_sheen = max_component(m.sheen_color * vec3(look_up(data_.sheen_color, point))) > 0.0f;
-  r.glows = max_component(m.emission * vec3(look_up(data_.emissive, point))) > 0.0f;
+  r.transmission = std::max(m.transmission * look_up<&Material::transmission_texture>(point).x,
+                            m.diffuse_transmission * look_up<&Material::diffuse_transmission_texture>(point).w);
+  r.occlusion = look_up<&Material::occlusion_texture>(point).x;
+  r.has_sheen = max_component(m.sheen_color * vec3(look_up<&Material::sheen_color_texture>(point))) > 0.0f;
+  r.glows = max_component(m.emission * vec3(look_up<&Material::emissive_texture>(point))) > 0.0f;
   return r;
 }
 
@@ -299,41 +299,15 @@ void MaterialJudge::judge_rest() {
 
 /// Textures that a factor of 0 hides.
 void find_hidden_textures(const Material& m, int index, std::vector<Finding>& findings) {
-  std::vector<std::pair<const TextureSlot*, bool>> hidden;
-  const bool no_coat = m.clearcoat == 0.0f;
-  const bool no_pile = m.sheen_color == vec3(0.0f);
-  hidden.emplace_back(&m.base_color_texture, m.base_color == vec3(0.0f) && m.opacity == 1.0f);
-  hidden.emplace_back(&m.metallic_roughness_texture, m.metallic == 0.0f && m.roughness == 0.0f);
-  hidden.emplace_back(&m.normal_texture, m.normal_scale == 0.0f);
-  hidden.emplace_back(&m.occlusion_texture, m.occlusion_strength == 0.0f);
-  hidden.emplace_back(&m.emissive_texture, m.emission == vec3(0.0f));
-  hidden.emplace_back(&m.specular_texture, m.specular == 0.0f);
-  hidden.emplace_back(&m.specular_color_texture, m.specular_color == vec3(0.0f));
-  hidden.emplace_back(&m.clearcoat_texture, no_coat);
-  hidden.emplace_back(&m.clearcoat_roughness_texture, no_coat || m.clearcoat_roughness == 0.0f);
-  hidden.emplace_back(&m.clearcoat_normal_texture, no_coat || m.clearcoat_normal_scale == 0.0f);
-  hidden.emplace_back(&m.sheen_color_texture, no_pile);
-  hidden.emplace_back(&m.sheen_roughness_texture, no_pile || m.sheen_roughness == 0.0f);
-  hidden.emplace_back(&m.anisotropy_texture, m.anisotropy == 0.0f);
-  hidden.emplace_back(&m.iridescence_texture, m.iridescence == 0.0f);
-  hidden.emplace_back(&m.iridescence_thickness_texture, m.iridescence == 0.0f);
-  hidden.emplace_back(&m.transmission_texture, m.transmission == 0.0f);
-  hidden.emplace_back(&m.thickness_texture, m.thickness == 0.0f);
-  hidden.emplace_back(&m.diffuse_transmission_texture, m.diffuse_transmission == 0.0f);
-  hidden.emplace_back(&m.diffuse_transmission_color_texture, m.diffuse_transmission == 0.0f);
-  const bool scatters = m.multiscatter_color != vec3(0.0f) && (m.has_volume() || m.sheet_scatter > 0.0f);
-  hidden.emplace_back(&m.scatter_strength_texture, !scatters);
-  hidden.emplace_back(&m.multiscatter_color_texture, !scatters);
   const auto slots = texture_slots(m);
-  for (const auto& [slot, is_hidden] : hidden) {
-    if (!*slot || !is_hidden) continue;
-    const auto at = static_cast<std::size_t>(std::find(slots.begin(), slots.end(), slot) - slots.begin());
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (!*slots[i] || has_effect(m, i)) continue;
     Finding f;
     f.severity = Severity::note;
     f.code = "texture-without-effect";
     f.material = index;
-    f.texture = slot->texture;
-    f.message = fmt::format("{} is multiplied by 0 and changes nothing", kTextureSlotNames[at]);
+    f.texture = slots[i]->texture;
+    f.message = fmt::format("{} is multiplied by 0 and changes nothing", kTextureRows[i].source.key);
     f.fix = "set the factor beside it (in glTF it is 0 unless given), or remove the texture";
     findings.push_back(std::move(f));
   }

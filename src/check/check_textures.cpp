@@ -2,47 +2,20 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "check/check_parts.h"
+#include "scene/material_table.h"
 
 // Which image stands in which slot, and whether one that should hold colours looks like directions.
 namespace candela::check {
 
 namespace {
 
-/// What a slot takes from its image. Alpha alone may share an image with anything: extensions pack it so.
-enum class Use { color, normal, data, alpha };
-
-constexpr std::array<Use, kTextureSlotNames.size()> kUses = {
-    Use::color,   // baseColor
-    Use::data,    // metallicRoughness
-    Use::normal,  // normal
-    Use::data,    // occlusion
-    Use::color,   // emissive
-    Use::alpha,   // specular
-    Use::color,   // specularColor
-    Use::data,    // clearcoat
-    Use::data,    // clearcoatRoughness
-    Use::normal,  // clearcoatNormal
-    Use::color,   // sheenColor
-    Use::alpha,   // sheenRoughness
-    Use::data,    // anisotropy
-    Use::data,    // iridescence
-    Use::data,    // iridescenceThickness
-    Use::data,    // transmission
-    Use::data,    // thickness
-    Use::alpha,   // diffuseTransmission
-    Use::color,   // diffuseTransmissionColor
-    Use::alpha,   // scatterStrength
-    Use::color,   // multiscatterColor
-    Use::color,   // specularGlossiness
-    Use::data,    // height
-};
+using Use = TextureUse;
 
 bool is_uniform(const TextureImage& image) {
   const std::size_t texel = 4 * static_cast<std::size_t>(image.bits / 8);
@@ -77,7 +50,8 @@ void find_shared_images(const Scene& scene, std::vector<Finding>& findings) {
     const int image = entry.first;
     const std::vector<Place>& places = entry.second;
     const auto first = [&places](Use use) {
-      return std::find_if(places.begin(), places.end(), [use](const Place& p) { return kUses[p.slot] == use; });
+      return std::find_if(places.begin(), places.end(),
+                          [use](const Place& p) { return kTextureRows[p.slot].use == use; });
     };
     const auto color = first(Use::color);
     const auto normal = first(Use::normal);
@@ -87,7 +61,7 @@ void find_shared_images(const Scene& scene, std::vector<Finding>& findings) {
     if (!is_mixed || is_uniform(*scene.images[static_cast<std::size_t>(image)])) continue;
     std::set<std::string_view> names;
     for (const Place& place : places) {
-      if (kUses[place.slot] != Use::alpha) names.insert(kTextureSlotNames[place.slot]);
+      if (kTextureRows[place.slot].use != Use::alpha) names.insert(kTextureRows[place.slot].source.key);
     }
     const Place& blamed = color != places.end() ? *color : *data;
     Finding f;
@@ -178,8 +152,8 @@ const char* transfer_name(int transfer) {
 
 /// The slot decides how codes are decoded; a viewer that goes by the file shows something else.
 void judge_color_space(const ColorSpace& space, const Place& place, std::vector<Finding>& findings) {
-  const bool is_color = kUses[place.slot] == Use::color;
-  const std::string_view slot = kTextureSlotNames[place.slot];
+  const bool is_color = kTextureRows[place.slot].use == Use::color;
+  const std::string_view slot = kTextureRows[place.slot].source.key;
   const int transfer = is_color ? ColorSpace::kSrgb : ColorSpace::kLinear;
   if (space.transfer != transfer) {
     findings.push_back(of_texture(Severity::warning, "ktx-transfer", place,
@@ -237,7 +211,8 @@ void judge_texture_file(const TextureInfo& info, const Place& place, bool allows
                                info.width, info.height),
                    "resize it"));
   }
-  if (info.color_space && kUses[place.slot] != Use::alpha) judge_color_space(*info.color_space, place, findings);
+  if (info.color_space && kTextureRows[place.slot].use != Use::alpha)
+    judge_color_space(*info.color_space, place, findings);
 }
 
 }  // namespace
@@ -253,8 +228,8 @@ void check_texture_files(const CheckInput& input, std::vector<Finding>& findings
     if (!file.texture || !file.error.empty()) continue;
     // Once for an image: where it is a colour, else where it is more than alpha.
     const auto first = [&places](auto fits) { return std::find_if(places.begin(), places.end(), fits); };
-    auto place = first([](const Place& p) { return kUses[p.slot] == Use::color; });
-    if (place == places.end()) place = first([](const Place& p) { return kUses[p.slot] != Use::alpha; });
+    auto place = first([](const Place& p) { return kTextureRows[p.slot].use == Use::color; });
+    if (place == places.end()) place = first([](const Place& p) { return kTextureRows[p.slot].use != Use::alpha; });
     judge_texture_file(*file.texture, place == places.end() ? places.front() : *place, allows_astc, findings);
   }
 }

@@ -10,10 +10,13 @@
 #include <span>
 #include <string_view>
 
+#include "scene/material_table.h"
+
 namespace candela::io {
 
 namespace {
 
+/// Beside those of the table of materials.
 constexpr auto kSupported = std::to_array<std::string_view>({
     "EXT_camera_physical",
     "EXT_lights_area",
@@ -30,21 +33,11 @@ constexpr auto kSupported = std::to_array<std::string_view>({
     "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_scatter",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_variants",
-    "KHR_materials_volume",
     "KHR_materials_volume_scatter",
     "KHR_mesh_primitive_restart",
     "KHR_mesh_quantization",
@@ -105,20 +98,24 @@ bool is_unseen(std::string_view name) {
 
 }  // namespace
 
-bool is_supported_extension(std::string_view name) { return is_in(kSupported, name); }
+bool is_supported_extension(std::string_view name) {
+  return is_in(kSupported, name) ||
+         std::any_of(kMaterialProperties.begin(), kMaterialProperties.end(),
+                     [name](const MaterialProperty& row) { return extension_of_place(row.source.place) == name; });
+}
 bool is_unseen_extension(std::string_view name) { return is_unseen(name); }
 
 void sort_extensions(const GltfDocument& document, FileInfo& info) {
   std::optional<std::map<std::string, std::set<std::string>>> places;
   for (const std::string& name : info.extensions_used) {
-    if (is_in(kSupported, name)) continue;
+    if (is_supported_extension(name)) continue;
     if (!places) places = document.extension_places();
     const auto found = places->find(name);
     const bool is_about_asset = found != places->end() && found->second == std::set<std::string>{"asset"};
     (is_unseen(name) || is_about_asset ? info.extensions_unseen : info.extensions_ignored).push_back(name);
   }
   for (const std::string& name : info.extensions_required) {
-    const bool is_needed = !is_in(kSupported, name) && (!is_unseen(name) || is_in(kOtherImages, name));
+    const bool is_needed = !is_supported_extension(name) && (!is_unseen(name) || is_in(kOtherImages, name));
     if (is_needed) info.extensions_missing.push_back(name);
   }
 }

@@ -7,6 +7,7 @@
 
 #include "image/image_file.h"
 #include "io/gltf_material_reader.h"
+#include "scene/material_table.h"
 
 namespace candela::io {
 

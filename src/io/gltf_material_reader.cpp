@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
+#include <vector>
 
+#include "scene/material_table.h"
 #include "scene/metals.h"
 
 namespace candela::io {
@@ -18,16 +21,34 @@ constexpr std::array<const char*, 4> kImageExtensions = {"KHR_texture_basisu", "
 
 // A float of this size has no fraction left, so that no texture could be told apart from one texel.
 constexpr float kLargestTransform = 1e6f;
-// Beyond these nothing changes any more, and formulas that square them stay finite.
-constexpr float kLargestIor = 1e6f;
-constexpr float kThickestFilmNm = 1e6f;
-constexpr float kLargestDispersion = 1e3f;
-constexpr float kLargestThickness = 1e9f;
 // An absorption coefficient -ln(color) / distance has to be finite: black means that a millionth is left.
 constexpr float kDarkestAttenuation = 1e-6f;
-constexpr float kShortestAttenuation = 1e-9f;
-// Henyey and Greenstein's lobe is a delta at ±1.
-constexpr float kLargestScatterAnisotropy = 0.999f;
+
+/// What a way of keys leads to.
+std::optional<JsonView> follow(const JsonView& from, std::string_view way) {
+  std::optional<JsonView> at = from;
+  while (at && !way.empty()) {
+    const std::string_view key = way.substr(0, way.find('/'));
+    at = at->find(std::string(key).c_str());
+    way.remove_prefix(std::min(key.size() + 1, way.size()));
+  }
+  return at;
+}
+
+/// Where the table's properties and textures stand, each place once.
+const std::vector<std::string_view>& material_places() {
+  static const std::vector<std::string_view> kPlaces = [] {
+    std::vector<std::string_view> places;
+    const auto add = [&places](const JsonSource& source) {
+      const bool is_known = std::find(places.begin(), places.end(), source.place) != places.end();
+      if (!source.is_special() && !is_known) places.push_back(source.place);
+    };
+    for (const MaterialProperty& row : kMaterialProperties) add(row.source);
+    for (const TextureRow& row : kTextureRows) add(row.source);
+    return places;
+  }();
+  return kPlaces;
+}
 
 /// One material while it is read: brings numbers into their range and says so.
 class MaterialReader {
@@ -44,26 +65,24 @@ class MaterialReader {
   void warn(const std::string& message, const JsonView& place) { warnings_.warn(label_ + ": " + message, place); }
   /// Of what changes no pixel.
   void note(const std::string& message, const JsonView& place) { warnings_.note(label_ + ": " + message, place); }
-  float clamped(const JsonView& json, const char* key, float value, float lower, float upper);
-  float factor(const JsonView& json, const char* key, float fallback, float lower = 0.0f, float upper = 1.0f);
-  template <class V>
-  V factors(const JsonView& json, const char* key, V fallback, float upper = 1.0f);
-  TextureSlot slot(const JsonView& owner, const char* key);
+  float clamped(const JsonView& json, std::string_view key, float value, const Range& range);
+  /// A member keeps its default where `json` has no such key.
+  void read(NumberOrColor<Material> member, const JsonView& json, std::string_view key, const Range& range,
+            int first = 0, int count = 0);
+  void read(const MaterialProperty& row, const JsonView& json, std::string_view key) {
+    read(row.member, json, key, row.range, row.source.first, row.source.count);
+  }
+  TextureSlot slot(const JsonView& owner, std::string_view key);
   std::optional<JsonView> own_extra(const char* name);
   /// An extension that describes reflection or transmission, unless another one excludes it.
-  std::optional<JsonView> layer(const char* name);
+  std::optional<JsonView> layer(std::string_view name);
+  std::optional<JsonView> find_place(std::string_view place);
 
-  void read_metallic_roughness(const JsonView& json);
+  void read_table();
   void read_specular_glossiness(const JsonView& json);
-  vec3 read_emission();
-  void read_surface();
-  void read_specular();
-  void read_clearcoat();
-  void read_sheen();
-  void read_anisotropy();
-  void read_iridescence();
-  void read_transmission();
-  void read_volume();
+  void read_emission();
+  void read_alpha_and_sides();
+  void settle_volume();
   void read_scatter_members(const JsonView& json);
   void read_scattering();
   void read_conductor();
@@ -77,22 +96,27 @@ class MaterialReader {
   Material material_;
 };
 
-float MaterialReader::clamped(const JsonView& json, const char* key, float value, float lower, float upper) {
-  const float result = std::clamp(value, lower, upper);
-  if (result != value) warn(fmt::format("{} {} becomes {}", key, value, result), json);
+float MaterialReader::clamped(const JsonView& json, std::string_view key, float value, const Range& range) {
+  if (range.contains(value)) return value;
+  const float result = std::clamp(value, range.lower, range.upper);
+  warn(fmt::format("{} {} becomes {}", key, value, result), json);
   return result;
 }
 
-float MaterialReader::factor(const JsonView& json, const char* key, float fallback, float lower, float upper) {
-  const auto number = json.find(key);
-  return number ? clamped(json, key, number->real(), lower, upper) : fallback;
-}
-
-template <class V>
-V MaterialReader::factors(const JsonView& json, const char* key, V fallback, float upper) {
-  V result = json.vector_or(key, fallback);
-  for (int i = 0; i < V::length(); ++i) result[i] = clamped(json, key, result[i], 0.0f, upper);
-  return result;
+void MaterialReader::read(NumberOrColor<Material> member, const JsonView& json, std::string_view key,
+                          const Range& range, int first, int count) {
+  const std::size_t slash = key.rfind('/');
+  const std::string name(key.substr(slash + 1));
+  const auto owner = follow(json, slash == std::string_view::npos ? std::string_view() : key.substr(0, slash));
+  const auto value = owner ? owner->find(name.c_str()) : std::nullopt;
+  if (!value) return;
+  const int size = member.size();
+  const std::vector<float> numbers = size == 1 && count == 0
+                                         ? std::vector{value->real()}
+                                         : value->reals(static_cast<std::size_t>(std::max(size, count)));
+  for (int i = 0; i < size; ++i) {
+    member.at(material_, i) = clamped(*owner, name, numbers[static_cast<std::size_t>(first + i)], range);
+  }
 }
 
 /// KHR_texture_transform: scale first, then rotate, then move. A positive angle turns the uvs counter-clockwise as seen
@@ -111,8 +135,8 @@ void read_transform(const JsonView& json, TextureSlot& slot) {
   }
 }
 
-TextureSlot MaterialReader::slot(const JsonView& owner, const char* key) {
-  const auto info = owner.find(key);
+TextureSlot MaterialReader::slot(const JsonView& owner, std::string_view key) {
+  const auto info = owner.find(std::string(key).c_str());
   if (!info) return {};
   TextureSlot result;
   const std::size_t texture = info->at("index").index(count_of(root_, "textures"), "texture");
@@ -135,8 +159,8 @@ TextureSlot MaterialReader::slot(const JsonView& owner, const char* key) {
   return result;
 }
 
-std::optional<JsonView> MaterialReader::layer(const char* name) {
-  auto extension = json_.extension(name);
+std::optional<JsonView> MaterialReader::layer(std::string_view name) {
+  auto extension = json_.extension(std::string(name).c_str());
   if (!extension || winner_ == nullptr) return extension;
   const std::string message = fmt::format("{} is ignored beside {}", name, winner_);
   // What unlit surfaces are for others, as its extension asks for, is no loss.
@@ -148,59 +172,63 @@ std::optional<JsonView> MaterialReader::layer(const char* name) {
   return std::nullopt;
 }
 
-void MaterialReader::read_metallic_roughness(const JsonView& json) {
-  const vec4 base = factors(json, "baseColorFactor", vec4(1));
-  material_.base_color = vec3(base);
-  material_.opacity = base.a;
-  material_.base_color_texture = slot(json, "baseColorTexture");
-  material_.metallic = factor(json, "metallicFactor", 1.0f);
-  material_.roughness = factor(json, "roughnessFactor", 1.0f);
-  material_.metallic_roughness_texture = slot(json, "metallicRoughnessTexture");
+/// The object that holds a place of the table, unless an extension excludes it.
+std::optional<JsonView> MaterialReader::find_place(std::string_view place) {
+  if (place == kPbrPlace && material_.specular_glossiness) return std::nullopt;
+  if (!place.starts_with("extensions/")) return follow(json_, place);
+  const std::string_view name = extension_of_place(place);
+  if (place.size() == std::string_view("extensions/").size() + name.size()) return layer(name);
+  return winner_ == nullptr ? follow(json_, place) : std::nullopt;
+}
+
+/// All that the table says where to find.
+void MaterialReader::read_table() {
+  for (const std::string_view place : material_places()) {
+    const auto object = find_place(place);
+    if (!object) continue;
+    for (const TextureRow& row : kTextureRows) {
+      if (row.source.place == place) material_.*row.slot = slot(*object, row.source.key);
+    }
+    for (const MaterialProperty& row : kMaterialProperties) {
+      if (row.source.place == place) read(row, *object, row.source.key);
+    }
+  }
 }
 
 void MaterialReader::read_specular_glossiness(const JsonView& json) {
   material_.specular_glossiness = true;
-  const vec4 diffuse = factors(json, "diffuseFactor", vec4(1));
-  material_.base_color = vec3(diffuse);
-  material_.opacity = diffuse.a;
+  read(property_of(&Material::base_color), json, "diffuseFactor");
+  read(property_of(&Material::opacity), json, "diffuseFactor");
   material_.base_color_texture = slot(json, "diffuseTexture");
   material_.metallic = 0.0f;
   material_.ior = 0.0f;
-  material_.specular_color = factors(json, "specularFactor", vec3(1));
-  material_.roughness = 1.0f - factor(json, "glossinessFactor", 1.0f);
+  read(&Material::specular_color, json, "specularFactor", material_ranges::kUnit);
+  read(property_of(&Material::roughness), json, "glossinessFactor");
+  material_.roughness = 1.0f - (json.find("glossinessFactor") ? material_.roughness : 1.0f);
   material_.specular_glossiness_texture = slot(json, "specularGlossinessTexture");
 }
 
-/// Above 1 is what converters make of OBJ's Ke: not allowed, and plain what is meant.
-vec3 MaterialReader::read_emission() {
+void MaterialReader::read_emission() {
+  // Above 1 is what converters make of OBJ's Ke: not allowed, and plain what is meant.
   const vec3 given = json_.vector_or("emissiveFactor", vec3(0));
-  const vec3 result = glm::max(given, vec3(0));
-  if (result != given) warn("emissiveFactor has a negative channel, which becomes 0", json_);
-  if (max_component(result) > 1.0f) {
+  vec3 emission = glm::max(given, vec3(0));
+  if (emission != given) warn("emissiveFactor has a negative channel, which becomes 0", json_);
+  if (max_component(emission) > 1.0f) {
     warn(fmt::format("emissiveFactor {:g} {:g} {:g} is above 1; kept, as KHR_materials_emissive_strength would say it",
-                     result.x, result.y, result.z),
+                     emission.x, emission.y, emission.z),
          json_);
   }
   // A texture that cannot be read would say what glows: without it a factor makes a lamp of everything.
-  return json_.find("emissiveTexture") && !material_.emissive_texture ? vec3(0) : result;
+  if (json_.find("emissiveTexture") && !material_.emissive_texture) emission = vec3(0);
+  if (const auto extension = json_.extension("KHR_materials_emissive_strength")) {
+    const float strength = extension->real_or("emissiveStrength", 1.0f);
+    emission *= clamped(*extension, "emissiveStrength", strength, material_ranges::kNotNegative);
+    if (!is_finite(emission)) throw extension->error("the emission is not finite");
+  }
+  material_.emission = emission;
 }
 
-/// What the core of glTF says beside metallic-roughness.
-void MaterialReader::read_surface() {
-  if (const auto normal = json_.find("normalTexture")) {
-    material_.normal_texture = slot(json_, "normalTexture");
-    material_.normal_scale = normal->real_or("scale", 1.0f);
-  }
-  if (const auto occlusion = json_.find("occlusionTexture")) {
-    material_.occlusion_texture = slot(json_, "occlusionTexture");
-    material_.occlusion_strength = factor(*occlusion, "strength", 1.0f);
-  }
-  material_.emissive_texture = slot(json_, "emissiveTexture");
-  material_.emission = read_emission();
-  if (const auto strength = json_.extension("KHR_materials_emissive_strength")) {
-    material_.emission *= factor(*strength, "emissiveStrength", 1.0f, 0.0f, kInfinity);
-    if (!is_finite(material_.emission)) throw strength->error("the emission is not finite");
-  }
+void MaterialReader::read_alpha_and_sides() {
   const std::string mode = json_.string_or("alphaMode", "OPAQUE");
   if (mode == "MASK") {
     material_.alpha_mode = AlphaMode::mask;
@@ -209,114 +237,35 @@ void MaterialReader::read_surface() {
   } else if (mode != "OPAQUE") {
     throw json_.at("alphaMode").error("must be OPAQUE, MASK or BLEND");
   }
-  material_.alpha_cutoff = factor(json_, "alphaCutoff", 0.5f, 0.0f, kInfinity);
   material_.double_sided = json_.boolean_or("doubleSided", false);
 }
 
-void MaterialReader::read_specular() {
-  if (const auto ior = layer("KHR_materials_ior")) {
-    const float value = ior->real_or("ior", 1.5f);
-    // 0 is the compatibility mode; between 0 and 1 nothing is defined.
-    material_.ior = value == 0.0f ? 0.0f : clamped(*ior, "ior", value, 1.0f, kLargestIor);
-  }
-  if (const auto specular = layer("KHR_materials_specular")) {
-    material_.specular = factor(*specular, "specularFactor", 1.0f);
-    material_.specular_texture = slot(*specular, "specularTexture");
-    material_.specular_color = factors(*specular, "specularColorFactor", vec3(1), kInfinity);
-    material_.specular_color_texture = slot(*specular, "specularColorTexture");
-  }
-}
-
-void MaterialReader::read_clearcoat() {
-  const auto coat = layer("KHR_materials_clearcoat");
-  if (!coat) return;
-  material_.clearcoat = factor(*coat, "clearcoatFactor", 0.0f);
-  material_.clearcoat_texture = slot(*coat, "clearcoatTexture");
-  material_.clearcoat_roughness = factor(*coat, "clearcoatRoughnessFactor", 0.0f);
-  material_.clearcoat_roughness_texture = slot(*coat, "clearcoatRoughnessTexture");
-  if (const auto normal = coat->find("clearcoatNormalTexture")) {
-    material_.clearcoat_normal_texture = slot(*coat, "clearcoatNormalTexture");
-    material_.clearcoat_normal_scale = normal->real_or("scale", 1.0f);
-  }
-}
-
-void MaterialReader::read_sheen() {
-  const auto sheen = layer("KHR_materials_sheen");
-  if (!sheen) return;
-  material_.sheen_color = factors(*sheen, "sheenColorFactor", vec3(0));
-  material_.sheen_color_texture = slot(*sheen, "sheenColorTexture");
-  material_.sheen_roughness = factor(*sheen, "sheenRoughnessFactor", 0.0f);
-  material_.sheen_roughness_texture = slot(*sheen, "sheenRoughnessTexture");
-}
-
-void MaterialReader::read_anisotropy() {
-  const auto anisotropy = layer("KHR_materials_anisotropy");
-  if (!anisotropy) return;
-  material_.anisotropy = factor(*anisotropy, "anisotropyStrength", 0.0f);
-  material_.anisotropy_rotation = anisotropy->real_or("anisotropyRotation", 0.0f);
-  material_.anisotropy_texture = slot(*anisotropy, "anisotropyTexture");
-}
-
-/// The minimum of the thickness may be above its maximum: the texture is then read upside down.
-void MaterialReader::read_iridescence() {
-  const auto film = layer("KHR_materials_iridescence");
-  if (!film) return;
-  material_.iridescence = factor(*film, "iridescenceFactor", 0.0f);
-  material_.iridescence_texture = slot(*film, "iridescenceTexture");
-  material_.iridescence_ior = factor(*film, "iridescenceIor", 1.3f, 1.0f, kLargestIor);
-  material_.iridescence_thickness_min_nm = factor(*film, "iridescenceThicknessMinimum", 100.0f, 0.0f, kThickestFilmNm);
-  material_.iridescence_thickness_max_nm = factor(*film, "iridescenceThicknessMaximum", 400.0f, 0.0f, kThickestFilmNm);
-  material_.iridescence_thickness_texture = slot(*film, "iridescenceThicknessTexture");
-}
-
-void MaterialReader::read_transmission() {
-  if (const auto transmission = layer("KHR_materials_transmission")) {
-    material_.transmission = factor(*transmission, "transmissionFactor", 0.0f);
-    material_.transmission_texture = slot(*transmission, "transmissionTexture");
-  }
-  if (const auto diffuse = layer("KHR_materials_diffuse_transmission")) {
-    material_.diffuse_transmission = factor(*diffuse, "diffuseTransmissionFactor", 0.0f);
-    material_.diffuse_transmission_texture = slot(*diffuse, "diffuseTransmissionTexture");
-    material_.diffuse_transmission_color = factors(*diffuse, "diffuseTransmissionColorFactor", vec3(1));
-    material_.diffuse_transmission_color_texture = slot(*diffuse, "diffuseTransmissionColorTexture");
-  }
-}
-
-void MaterialReader::read_volume() {
-  const auto volume = layer("KHR_materials_volume");
-  if (volume) {
-    material_.thickness = factor(*volume, "thicknessFactor", 0.0f, 0.0f, kLargestThickness);
-    material_.thickness_texture = slot(*volume, "thicknessTexture");
-    material_.attenuation_distance = factor(*volume, "attenuationDistance", kInfinity, kShortestAttenuation, kInfinity);
-    material_.attenuation_color = glm::max(factors(*volume, "attenuationColor", vec3(1)), vec3(kDarkestAttenuation));
-  }
-  if (const auto dispersion = layer("KHR_materials_dispersion")) {
-    material_.dispersion = factor(*dispersion, "dispersion", 0.0f, 0.0f, kLargestDispersion);
-    if (material_.dispersion > 0.0f && !(volume && json_.extension("KHR_materials_transmission"))) {
-      note("KHR_materials_dispersion has no effect without KHR_materials_transmission and KHR_materials_volume",
-           *dispersion);
-      material_.dispersion = 0.0f;
-    }
+void MaterialReader::settle_volume() {
+  material_.attenuation_color = glm::max(material_.attenuation_color, vec3(kDarkestAttenuation));
+  const bool is_body = json_.extension("KHR_materials_transmission") && json_.extension("KHR_materials_volume");
+  if (material_.dispersion > 0.0f && !is_body) {
+    note("KHR_materials_dispersion has no effect without KHR_materials_transmission and KHR_materials_volume",
+         *json_.extension("KHR_materials_dispersion"));
+    material_.dispersion = 0.0f;
   }
 }
 
 /// What both drafts of scattering have.
 void MaterialReader::read_scatter_members(const JsonView& json) {
-  material_.scatter_anisotropy =
-      factor(json, "scatterAnisotropy", 0.0f, -kLargestScatterAnisotropy, kLargestScatterAnisotropy);
+  read(property_of(&Material::scatter_anisotropy), json, "scatterAnisotropy");
   material_.multiscatter_color_texture = slot(json, "multiscatterColorTexture");
 }
 
 /// KHR_materials_volume_scatter, or in its place its successor among the drafts, KHR_materials_scatter. The colour of
 /// the first is called multiscatterColorFactor since February 2026.
 void MaterialReader::read_scattering() {
+  const MaterialProperty& color = property_of(&Material::multiscatter_color);
   if (const auto scatter = layer("KHR_materials_volume_scatter")) {
     if (!json_.extension("KHR_materials_volume")) {
       note("KHR_materials_volume_scatter has no effect without KHR_materials_volume", *scatter);
       return;
     }
-    const char* name = scatter->find("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor";
-    material_.multiscatter_color = factors(*scatter, name, vec3(0));
+    read(color, *scatter, scatter->find("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor");
     read_scatter_members(*scatter);
     if (const auto successor = json_.extension("KHR_materials_scatter")) {
       note("KHR_materials_scatter is ignored beside KHR_materials_volume_scatter", *successor);
@@ -330,17 +279,17 @@ void MaterialReader::read_scattering() {
       note("KHR_materials_scatter has no effect without KHR_materials_transmission", *successor);
       return;
     }
-    const float strength = factor(*successor, "scatterStrengthFactor", 0.0f);
-    if (strength <= 0.0f) {
+    read(property_of(&Material::sheet_scatter), *successor, "scatterStrengthFactor");
+    if (material_.sheet_scatter <= 0.0f) {
       note("KHR_materials_scatter has no effect: its scatterStrengthFactor is 0, as it is unless given", *successor);
     }
-    material_.multiscatter_color = factors(*successor, "multiscatterColorFactor", vec3(1));
+    material_.multiscatter_color = vec3(1.0f);
+    read(color, *successor, "multiscatterColorFactor");
     material_.scatter_strength_texture = slot(*successor, "scatterStrengthTexture");
     read_scatter_members(*successor);
     if (material_.has_volume()) {
-      material_.multiscatter_color *= strength;
-    } else {
-      material_.sheet_scatter = strength;
+      material_.multiscatter_color *= material_.sheet_scatter;
+      material_.sheet_scatter = 0.0f;
     }
   }
 }
@@ -355,8 +304,8 @@ std::optional<JsonView> MaterialReader::own_extra(const char* name) {
 void MaterialReader::read_height() {
   const auto height = own_extra("heightTexture");
   if (!height) return;
-  material_.height_scale = factor(*height, "scale", 0.0f, 0.0f, 1e6f);
-  material_.height_level = factor(*height, "level", 1.0f, 0.0f, 1.0f);
+  read(property_of(&Material::height_scale), *height, "scale");
+  read(property_of(&Material::height_level), *height, "level");
   if (material_.height_scale <= 0.0f) {
     warn("extras.candela.heightTexture has no scale above 0 and is ignored", *height);
   } else {
@@ -383,17 +332,11 @@ Material MaterialReader::read() {
   if (const auto glossy = layer("KHR_materials_pbrSpecularGlossiness")) {
     winner_ = "KHR_materials_pbrSpecularGlossiness";
     read_specular_glossiness(*glossy);
-  } else if (const auto pbr = json_.find("pbrMetallicRoughness")) {
-    read_metallic_roughness(*pbr);
   }
-  read_surface();
-  read_specular();
-  read_clearcoat();
-  read_sheen();
-  read_anisotropy();
-  read_iridescence();
-  read_transmission();
-  read_volume();
+  read_table();
+  read_emission();
+  read_alpha_and_sides();
+  settle_volume();
   read_scattering();
   read_conductor();
   read_height();

@@ -10,6 +10,7 @@
 
 #include "io/gltf_accessor.h"
 #include "io/gltf_nodes.h"
+#include "scene/material_table.h"
 #include "scene/scene.h"
 
 namespace candela::io {
@@ -45,7 +46,7 @@ std::string uv_set_name(std::size_t set);
 
 /// What a material wants of the vertices that wear it: the same geometry serves materials that want the same.
 struct VertexNeeds {
-  std::array<int, std::tuple_size_v<decltype(texture_slots(std::declval<Material&>()))>> uv_sets{};  ///< -1: none
+  std::array<int, kTextureSlots> uv_sets{};  ///< -1: none
   bool has_tangents = false;
   std::array<vec2, 2> tangent_space{};  ///< how the texture that tangents follow is turned and stretched
 

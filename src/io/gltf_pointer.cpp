@@ -1,6 +1,7 @@
 #include "io/gltf_pointer.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include "io/gltf_extensions.h"
+#include "scene/material_table.h"
 
 namespace candela::io {
 
@@ -29,7 +31,8 @@ struct Property {
 
 using enum PropertyType;
 
-constexpr auto kProperties = std::to_array<Property>({
+/// Beside those of the table of materials.
+constexpr auto kOtherProperties = std::to_array<Property>({
     {"nodes/{}/translation", vec3},
     {"nodes/{}/rotation", rotation},
     {"nodes/{}/scale", vec3},
@@ -67,41 +70,14 @@ constexpr auto kProperties = std::to_array<Property>({
     {"extensions/EXT_lights_image_based/lights/{}/rotation", rotation},
     {"extensions/EXT_lights_image_based/lights/{}/intensity", number},
 
-    {"materials/{}/alphaCutoff", number},
     {"materials/{}/emissiveFactor", vec3},
-    {"materials/{}/normalTexture/scale", number},
-    {"materials/{}/occlusionTexture/strength", number},
-    {"materials/{}/pbrMetallicRoughness/baseColorFactor", vec4},
-    {"materials/{}/pbrMetallicRoughness/metallicFactor", number},
-    {"materials/{}/pbrMetallicRoughness/roughnessFactor", number},
-    {"materials/{}/extensions/KHR_materials_anisotropy/anisotropyStrength", number},
-    {"materials/{}/extensions/KHR_materials_anisotropy/anisotropyRotation", number},
-    {"materials/{}/extensions/KHR_materials_clearcoat/clearcoatFactor", number},
-    {"materials/{}/extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", number},
-    {"materials/{}/extensions/KHR_materials_clearcoat/clearcoatNormalTexture/scale", number},
-    {"materials/{}/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionFactor", number},
-    {"materials/{}/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorFactor", vec3},
-    {"materials/{}/extensions/KHR_materials_dispersion/dispersion", number},
     {"materials/{}/extensions/KHR_materials_emissive_strength/emissiveStrength", number},
-    {"materials/{}/extensions/KHR_materials_ior/ior", number},
-    {"materials/{}/extensions/KHR_materials_iridescence/iridescenceFactor", number},
-    {"materials/{}/extensions/KHR_materials_iridescence/iridescenceIor", number},
-    {"materials/{}/extensions/KHR_materials_iridescence/iridescenceThicknessMinimum", number},
-    {"materials/{}/extensions/KHR_materials_iridescence/iridescenceThicknessMaximum", number},
     {"materials/{}/extensions/KHR_materials_pbrSpecularGlossiness/diffuseFactor", vec4},
     {"materials/{}/extensions/KHR_materials_pbrSpecularGlossiness/specularFactor", vec3},
     {"materials/{}/extensions/KHR_materials_pbrSpecularGlossiness/glossinessFactor", number},
     {"materials/{}/extensions/KHR_materials_scatter/scatterStrengthFactor", number},
     {"materials/{}/extensions/KHR_materials_scatter/multiscatterColorFactor", vec3},
     {"materials/{}/extensions/KHR_materials_scatter/scatterAnisotropy", number},
-    {"materials/{}/extensions/KHR_materials_sheen/sheenColorFactor", vec3},
-    {"materials/{}/extensions/KHR_materials_sheen/sheenRoughnessFactor", number},
-    {"materials/{}/extensions/KHR_materials_specular/specularFactor", number},
-    {"materials/{}/extensions/KHR_materials_specular/specularColorFactor", vec3},
-    {"materials/{}/extensions/KHR_materials_transmission/transmissionFactor", number},
-    {"materials/{}/extensions/KHR_materials_volume/thicknessFactor", number},
-    {"materials/{}/extensions/KHR_materials_volume/attenuationDistance", number},
-    {"materials/{}/extensions/KHR_materials_volume/attenuationColor", vec3},
     {"materials/{}/extensions/KHR_materials_volume_scatter/multiscatterColor", vec3},
     {"materials/{}/extensions/KHR_materials_volume_scatter/multiscatterColorFactor", vec3},
     {"materials/{}/extensions/KHR_materials_volume_scatter/scatterAnisotropy", number},
@@ -187,10 +163,25 @@ bool matches(std::string_view pattern, const std::vector<std::string>& tokens) {
   return true;
 }
 
-const Property* find_row(const std::vector<std::string>& tokens) {
-  const auto found = std::find_if(kProperties.begin(), kProperties.end(),
+/// The type of a property that the table of materials has. The numbers of one array are one.
+std::optional<PropertyType> type_in_table(const std::vector<std::string>& tokens) {
+  if (tokens.size() < 3 || tokens[0] != "materials" || !index_of(tokens[1])) return std::nullopt;
+  const std::string way = fmt::format("{}", fmt::join(tokens.begin() + 2, tokens.end(), "/"));
+  for (const MaterialProperty& row : kMaterialProperties) {
+    if (row.source.is_special() || row.source.first > 0) continue;
+    const std::string_view slash = row.source.place.empty() ? "" : "/";
+    if (way != fmt::format("{}{}{}", row.source.place, slash, row.source.key)) continue;
+    const int count = std::max(row.member.size(), row.source.count);
+    return count == 1 ? number : count == 3 ? vec3 : vec4;
+  }
+  return std::nullopt;
+}
+
+std::optional<Property> find_row(const std::vector<std::string>& tokens) {
+  if (const auto type = type_in_table(tokens)) return Property{{}, *type};
+  const auto found = std::find_if(kOtherProperties.begin(), kOtherProperties.end(),
                                   [&](const Property& p) { return matches(p.pattern, tokens); });
-  return found != kProperties.end() ? &*found : nullptr;
+  return found != kOtherProperties.end() ? std::optional(*found) : std::nullopt;
 }
 
 /// How many morph targets the mesh has that a node or a mesh of the pointer shows; 0 where there is none.
@@ -216,25 +207,25 @@ bool has_weights(const json& root, const std::vector<std::string>& tokens) {
 }
 
 /// Why a pointer leads to no property; empty where it does.
-std::string fault_of(const json& root, const std::vector<std::string>& tokens, const Property* row) {
-  if (row != nullptr && is_of_weights(tokens)) {
+std::string fault_of(const json& root, const std::vector<std::string>& tokens, const std::optional<Property>& row) {
+  if (row && is_of_weights(tokens)) {
     return has_weights(root, tokens) ? "" : "there is no such morph target";
   }
   for (std::size_t count = 1; count < tokens.size(); ++count) {
     const json* value = follow(root, tokens, count);
     if (value == nullptr || !value->is_structured()) return fmt::format("there is no {}", join(tokens, count));
   }
-  if (row == nullptr || row->has_default || follow(root, tokens, tokens.size()) != nullptr) return "";
+  if (!row || row->has_default || follow(root, tokens, tokens.size()) != nullptr) return "";
   return fmt::format("{} has no value in the file, and no default", tokens.back());
 }
 
 /// Whether what a pointer passes is read, and if not, whether any pixel depends on it.
 enum class Reading { read, ignored, unseen };
 
-Reading reading_of(const std::vector<std::string>& tokens, const Property* row) {
-  Reading reading = row != nullptr ? Reading::read : Reading::ignored;
+Reading reading_of(const std::vector<std::string>& tokens, const std::optional<Property>& row) {
+  Reading reading = row ? Reading::read : Reading::ignored;
   for (std::size_t i = 0; i < tokens.size(); ++i) {
-    if (row == nullptr && tokens[i] == "extras") return Reading::unseen;
+    if (!row && tokens[i] == "extras") return Reading::unseen;
     if (i == 0 || tokens[i - 1] != "extensions" || is_supported_extension(tokens[i])) continue;
     if (is_unseen_extension(tokens[i])) return Reading::unseen;
     reading = Reading::ignored;
@@ -259,7 +250,7 @@ std::optional<Target> find_property(const json& root, const JsonView& pointer, W
   const std::string text = pointer.string().substr(0, kLongestPointer);
   auto tokens = split_pointer(pointer.string());
   if (!tokens) throw pointer.error(fmt::format("'{}' is no JSON pointer to a property", text));
-  const Property* row = find_row(*tokens);
+  const std::optional<Property> row = find_row(*tokens);
   const Reading reading = reading_of(*tokens, row);
   if (reading == Reading::unseen) {
     warnings.note(fmt::format("an animation of '{}' changes no pixel and is not read", text), pointer);

@@ -18,6 +18,7 @@
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
 #include "io/scene_files.h"
+#include "scene/material_table.h"
 
 namespace candela::io {
 

@@ -195,7 +195,7 @@ void add_matter(Table& table) {
       with_glass(p, Glass::thin);
       p.lobes |= shade::kLobeDiffuseTransmission;
       p.scatter = share;
-      p.scatter_forward = forward;
+      p.scatter_anisotropy = 2.0f * forward - 1.0f;
       table.add("thin glass that scatters " + number(share) + ", forwards " + number(forward), p, {}, true);
     }
   }

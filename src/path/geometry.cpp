@@ -153,8 +153,9 @@ GeometryHandle make_triangles(RTCDevice device, MeshData& mesh) {
 
 std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& material, const Placement* to_world) {
   Primitive relief;
-  if (material.height) relief = displaced(flat, material.factors, material.height);
-  const Primitive& primitive = material.height ? relief : flat;
+  const TextureReader& height = material.texture<&Material::height_texture>();
+  if (height) relief = displaced(flat, material.factors, height);
+  const Primitive& primitive = height ? relief : flat;
   auto mesh = std::make_unique<MeshData>();
   mesh->material = &material;
   mesh->is_mirrored = to_world != nullptr && to_world->is_mirrored;
@@ -243,43 +244,26 @@ Medium make_medium(const Material& m) {
 }  // namespace
 
 MaterialData::MaterialData(const Scene& scene, const Material& material, const shade::ShadingModel& model)
-    : factors(material),
-      params(surface_params(material, model)),
-      base_color(scene, material.base_color_texture, Encoding::srgb),
-      metallic_roughness(scene, material.metallic_roughness_texture, Encoding::data),
-      normal(scene, material.normal_texture, Encoding::data),
-      emissive(scene, material.emissive_texture, Encoding::srgb),
-      specular(scene, material.specular_texture, Encoding::data),
-      specular_color(scene, material.specular_color_texture, Encoding::srgb),
-      specular_glossiness(scene, material.specular_glossiness_texture, Encoding::srgb),
-      clearcoat(scene, material.clearcoat_texture, Encoding::data),
-      clearcoat_roughness(scene, material.clearcoat_roughness_texture, Encoding::data),
-      clearcoat_normal(scene, material.clearcoat_normal_texture, Encoding::data),
-      sheen_color(scene, material.sheen_color_texture, Encoding::srgb),
-      sheen_roughness(scene, material.sheen_roughness_texture, Encoding::data),
-      anisotropy(scene, material.anisotropy_texture, Encoding::data),
-      iridescence(scene, material.iridescence_texture, Encoding::data),
-      iridescence_thickness(scene, material.iridescence_thickness_texture, Encoding::data),
-      transmission(scene, material.transmission_texture, Encoding::data),
-      diffuse_transmission(scene, material.diffuse_transmission_texture, Encoding::data),
-      diffuse_transmission_color(scene, material.diffuse_transmission_color_texture, Encoding::srgb),
-      scatter_strength(scene, material.scatter_strength_texture, Encoding::data),
-      multiscatter_color(scene, material.multiscatter_color_texture, Encoding::srgb),
-      height(scene, material.height_texture, Encoding::data),
-      medium(make_medium(material)) {
+    : factors(material), params(surface_params(material, model)), medium(make_medium(material)) {
+  for (std::size_t i = 0; i < kTextureSlots; ++i) {
+    const TextureRow& row = kTextureRows[i];
+    textures[i] = TextureReader(scene, material.*row.slot, row.is_srgb() ? Encoding::srgb : Encoding::data);
+  }
   needs_opacity = material.alpha_mode != AlphaMode::opaque;
   is_emissive = max_component(material.emission) > 0.0f && !material.unlit;
   const bool lets_through = (params.lobes & (shade::kLobeTransmission | shade::kLobeDiffuseTransmission)) != 0;
   has_medium = lets_through && material.has_volume() && !material.unlit;
-  const bool may_be_smooth = metallic_roughness || specular_glossiness ||
+  const bool has_roughness = bool(texture<&Material::metallic_roughness_texture>());
+  const bool may_be_smooth = has_roughness || texture<&Material::specular_glossiness_texture>() ||
                              shade::roughness_to_alpha(material.roughness) < shade::kGgxMirrorAlpha;
   is_clear_sheet = (params.lobes & shade::kLobeTransmission) != 0 && !material.has_volume() && !material.unlit &&
-                   may_be_smooth && material.metallic < 1.0f + (metallic_roughness ? 1.0f : 0.0f);
-  needs_tangents = normal || clearcoat_normal || material.anisotropy > 0.0f;
-  const std::array base = {&base_color, &metallic_roughness, &normal, &emissive, &specular, &specular_color};
-  const auto* first = std::find_if(base.begin(), base.end(), [](const TextureReader* t) { return bool(*t); });
-  has_one_footprint = first != base.end() && std::all_of(first, base.end(), [&](const TextureReader* t) {
-                        return !*t || t->is_addressed_like(**first);
+                   may_be_smooth && material.metallic < 1.0f + (has_roughness ? 1.0f : 0.0f);
+  needs_tangents = texture<&Material::normal_texture>() || texture<&Material::clearcoat_normal_texture>() ||
+                   material.anisotropy > 0.0f;
+  const auto has_texture = [this](std::size_t slot) { return bool(textures[slot]); };
+  const auto* const first = std::find_if(kBaseTextures.begin(), kBaseTextures.end(), has_texture);
+  has_one_footprint = first != kBaseTextures.end() && std::all_of(first, kBaseTextures.end(), [&](std::size_t slot) {
+                        return !has_texture(slot) || textures[slot].is_addressed_like(textures[*first]);
                       });
 }
 
@@ -302,7 +286,8 @@ float MeshData::opacity(const uvec3& t, vec3 b) const {
   const Material& m = material->factors;
   if (m.alpha_mode == AlphaMode::opaque) return 1.0f;
   float alpha = m.opacity * color(t, b).w;
-  if (material->base_color) alpha *= material->base_color.sample(uv(t, b, material->base_color.uv_set())).w;
+  const TextureReader& texture = material->texture<&Material::base_color_texture>();
+  if (texture) alpha *= texture.sample(uv(t, b, texture.uv_set())).w;
   return m.alpha_mode == AlphaMode::mask ? (alpha >= m.alpha_cutoff ? 1.0f : 0.0f) : glm::clamp(alpha, 0.0f, 1.0f);
 }
 

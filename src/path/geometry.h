@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -8,30 +9,42 @@
 
 #include "path/medium.h"
 #include "path/texture.h"
+#include "scene/material_table.h"
 #include "scene/scene.h"
 #include "shade/surface_params.glsl.h"
 
 namespace candela::path {
 
+/// Slots that every surface may fill, whose texels are located together before the first is read.
+inline constexpr std::array<std::size_t, 6> kBaseTextures = {
+    texture_slot_index(&Material::base_color_texture), texture_slot_index(&Material::metallic_roughness_texture),
+    texture_slot_index(&Material::normal_texture),     texture_slot_index(&Material::emissive_texture),
+    texture_slot_index(&Material::specular_texture),   texture_slot_index(&Material::specular_color_texture)};
+
 /// A material with its textures resolved.
 struct MaterialData {
   Material factors;
-  shade::SurfaceParams params;  ///< the factors, as the surface takes them
-  TextureReader base_color, metallic_roughness, normal, emissive, specular, specular_color, specular_glossiness;
-  TextureReader clearcoat, clearcoat_roughness, clearcoat_normal, sheen_color, sheen_roughness, anisotropy;
-  TextureReader iridescence, iridescence_thickness, transmission, diffuse_transmission, diffuse_transmission_color;
-  TextureReader scatter_strength, multiscatter_color, height;
+  shade::SurfaceParams params;                        ///< the factors, as the surface takes them
+  std::array<TextureReader, kTextureSlots> textures;  ///< by the rows of kTextureRows
   Medium medium;
   bool needs_opacity = false;   ///< mask or blend that can let light through
   bool is_clear_sheet = false;  ///< may let shadow rays straight through
   bool has_medium = false;      ///< bounds a body that light can enter
   bool needs_tangents = false;
   bool is_emissive = false;
-  bool has_one_footprint = false;  ///< all textures of the base have texels at the same places
+  bool has_one_footprint = false;  ///< kBaseTextures have texels at the same places
 
   MaterialData(const Scene& scene, const Material& material, const shade::ShadingModel& model);
 
-  bool has_scatter_texture() const { return bool(scatter_strength) || bool(multiscatter_color); }
+  /// texture<&Material::normal_texture>()
+  template <TextureSlot Material::*kSlot>
+  const TextureReader& texture() const {
+    return textures[texture_slot_index(kSlot)];
+  }
+  bool has_scatter_texture() const {
+    return bool(texture<&Material::scatter_strength_texture>()) ||
+           bool(texture<&Material::multiscatter_color_texture>());
+  }
 };
 
 /// What a bounce reads of a vertex, packed so that it costs one cache line.

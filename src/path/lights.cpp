@@ -36,7 +36,7 @@ vec3 sample_barycentric(vec2 u) {
 /// Mean emitted luminance of a triangle. Textured: from so many points that every few texels are seen.
 float mean_emission(const MeshData& mesh, std::uint32_t triangle) {
   const uvec3 t = mesh.triangles[triangle];
-  const TextureReader& texture = mesh.material->emissive;
+  const TextureReader& texture = mesh.material->texture<&Material::emissive_texture>();
   if (!texture) return luminance(mesh.material->factors.emission);
   const vec2 size(texture.size());
   const vec2 a = mesh.uv(t, {1, 0, 0}, texture.uv_set()) * size;

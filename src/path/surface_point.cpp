@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <array>
 
+#include "scene/surface_params.h"
 #include "shade/workflow.glsl.h"
 
 namespace candela::path {
 
 namespace {
+
+constexpr std::size_t kAnisotropySlot = texture_slot_index(&Material::anisotropy_texture);
 
 /// Where a point of a facet would lie on the curved surface that its vertex normals describe; rays that start there do
 /// not see the facet's neighbours as a staircase. Hanika 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II,
@@ -38,63 +41,66 @@ vec3 keep_reflection_outside(vec3 ns, vec3 ng, vec3 wo) {
   return glm::normalize(wo + glm::normalize(reflected + (limit - above) * ng));
 }
 
-/// All textures of a material at one point, located before the first is read.
-struct MaterialFootprints {
-  TextureReader::Footprint base_color, metallic_roughness, normal, emissive, specular, specular_color;
+/// The base's textures of a material at one point, located before the first is read.
+struct BaseFootprints {
+  std::array<TextureReader::Footprint, kBaseTextures.size()> at;
 
-  MaterialFootprints(const MeshData& mesh, const uvec3& t, vec3 b) {
+  BaseFootprints(const MeshData& mesh, const uvec3& t, vec3 b) {
     const MaterialData& m = *mesh.material;
     const vec2 uv0 = mesh.uv(t, b, 0);
     const TextureReader::Footprint* shared = nullptr;
-    const auto locate = [&](const TextureReader& texture, TextureReader::Footprint& footprint) {
-      if (!texture) return;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const TextureReader& texture = m.textures[kBaseTextures[i]];
+      if (!texture) continue;
       if (shared != nullptr) {
-        footprint = *shared;
-        texture.prefetch(footprint);
-        return;
+        at[i] = *shared;
+        texture.prefetch(at[i]);
+        continue;
       }
-      footprint = texture.locate(texture.uv_set() == 0 ? uv0 : mesh.uv(t, b, texture.uv_set()));
-      if (m.has_one_footprint) shared = &footprint;
-    };
-    locate(m.base_color, base_color);
-    locate(m.metallic_roughness, metallic_roughness);
-    locate(m.normal, normal);
-    locate(m.emissive, emissive);
-    locate(m.specular, specular);
-    locate(m.specular_color, specular_color);
+      at[i] = texture.locate(texture.uv_set() == 0 ? uv0 : mesh.uv(t, b, texture.uv_set()));
+      if (m.has_one_footprint) shared = &at[i];
+    }
+  }
+
+  /// The texel of a slot that has a texture.
+  template <TextureSlot Material::*kSlot>
+  vec4 read(const MaterialData& m) const {
+    constexpr std::size_t kIndex = texture_slot_index(kSlot);
+    constexpr auto kAt = std::find(kBaseTextures.begin(), kBaseTextures.end(), kIndex) - kBaseTextures.begin();
+    return m.textures[kIndex].read(at[kAt]);
   }
 };
 
 /// What a surface without layers reads of its parameters (shade/surface_base.glsl.h); the rest stays unset.
 void copy_base(const shade::SurfaceParams& from, shade::SurfaceParams& to) {
   to.lobes = from.lobes;
-  to.metallic = from.metallic;
-  to.roughness = from.roughness;
-  to.ior = from.ior;
-  to.specular = from.specular;
-  to.specular_color = from.specular_color;
+  for_each_property([&](auto i) {
+    constexpr const MaterialProperty& kRow = kMaterialProperties[i];
+    if constexpr (kRow.param && kRow.lobe.bit == 0) {
+      for (int k = 0; k < kRow.param.size(); ++k) kRow.param.at(to, k) = kRow.param.at(from, k);
+    }
+  });
 }
 
 /// Metallic-roughness of a material, or specular-glossiness brought to the same surface: ior is 0, so that
-/// specular_color is F0 and F90 is 1.
-void fetch_base(const MaterialData& material, const MaterialFootprints& at, vec3 base_color,
-                shade::SurfaceParams& params) {
+/// specular_color is F0 and F90 is 1. The base colour has been fetched before.
+void fetch_base(const MaterialData& material, const BaseFootprints& at, vec3 base_color, shade::SurfaceParams& params) {
   params.base_color = base_color;
-  if (material.metallic_roughness) {
-    const vec4 texel = material.metallic_roughness.read(at.metallic_roughness);
-    params.roughness *= texel.y;
-    params.metallic *= texel.z;
-  }
-  if (material.specular) params.specular *= material.specular.read(at.specular).w;
-  if (material.specular_color) params.specular_color *= vec3(material.specular_color.read(at.specular_color));
+  for_each_texture([&](auto slot) {
+    constexpr const TextureRow& kRow = kTextureRows[slot];
+    constexpr bool kIsBase = std::find(kBaseTextures.begin() + 1, kBaseTextures.end(), slot) != kBaseTextures.end();
+    if constexpr (kIsBase) {
+      if (material.textures[slot]) apply_texel<slot>(at.read<kRow.slot>(material), material.factors, params);
+    }
+  });
 }
 
 /// KHR_materials_pbrSpecularGlossiness. Its diffuse colour is what the boundary leaves of the layer below; a
 /// metallic-roughness base colour is the layer itself, seen through a boundary of 4 % (shade/workflow.glsl.h).
 void fetch_specular_glossiness(const MaterialData& material, const MeshData& mesh, const uvec3& t, vec3 b,
                                shade::SurfaceParams& params) {
-  if (material.specular_glossiness) {
-    const vec4 texel = material.specular_glossiness.sample(mesh.uv(t, b, material.specular_glossiness.uv_set()));
+  if (const auto& texture = material.texture<&Material::specular_glossiness_texture>()) {
+    const vec4 texel = texture.sample(mesh.uv(t, b, texture.uv_set()));
     params.specular_color *= vec3(texel);
     params.roughness = 1.0f - (1.0f - params.roughness) * texel.w;
   }
@@ -124,24 +130,13 @@ vec3 mapped_normal(vec4 texel, float scale, const Frame& frame, bool flip, vec3 
 /// Everything beyond metallic-roughness.
 void fetch_layers(const MaterialData& material, const MeshData& mesh, const uvec3& t, vec3 b,
                   shade::SurfaceParams& params) {
-  const auto read = [&](const TextureReader& texture) { return texture.sample(mesh.uv(t, b, texture.uv_set())); };
-  const Material& m = material.factors;
-  if (material.clearcoat) params.clearcoat *= read(material.clearcoat).x;
-  if (material.clearcoat_roughness) params.clearcoat_roughness *= read(material.clearcoat_roughness).y;
-  if (material.sheen_color) params.sheen_color *= vec3(read(material.sheen_color));
-  if (material.sheen_roughness) params.sheen_roughness *= read(material.sheen_roughness).w;
-  if (material.iridescence) params.iridescence *= read(material.iridescence).x;
-  if (material.iridescence_thickness) {
-    params.film_nm = glm::mix(m.iridescence_thickness_min_nm, m.iridescence_thickness_max_nm,
-                              read(material.iridescence_thickness).y);
-  }
-  if (material.transmission) params.transmission *= read(material.transmission).x;
-  if (material.diffuse_transmission) params.diffuse_transmission *= read(material.diffuse_transmission).w;
-  if (material.diffuse_transmission_color) {
-    params.diffuse_transmission_color *= vec3(read(material.diffuse_transmission_color));
-  }
-  if (material.scatter_strength) params.scatter *= read(material.scatter_strength).w;
-  if (material.multiscatter_color) params.scatter_color *= vec3(read(material.multiscatter_color));
+  for_each_texture([&](auto slot) {
+    // That of anisotropy has a direction too, and waits for the frame.
+    if constexpr (is_layer_texture(slot) && slot != kAnisotropySlot) {
+      const TextureReader& texture = material.textures[slot];
+      if (texture) apply_texel<slot>(texture.sample(mesh.uv(t, b, texture.uv_set())), material.factors, params);
+    }
+  });
 }
 
 }  // namespace
@@ -165,8 +160,8 @@ vec3 SurfacePoint::ray_origin(vec3 direction) const {
 vec3 emission_at(const MeshData& mesh, const uvec3& triangle, vec3 barycentric) {
   const MaterialData& material = *mesh.material;
   vec3 emission = material.factors.emission;
-  if (material.emissive) {
-    emission *= vec3(material.emissive.sample(mesh.uv(triangle, barycentric, material.emissive.uv_set())));
+  if (const auto& texture = material.texture<&Material::emissive_texture>()) {
+    emission *= vec3(texture.sample(mesh.uv(triangle, barycentric, texture.uv_set())));
   }
   return emission;
 }
@@ -223,7 +218,7 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   const uvec3 t = mesh.triangles[hit.triangle];
   const vec3 b(1.0f - hit.u - hit.v, hit.u, hit.v);
   const vec3 wo = -direction;
-  const MaterialFootprints at(mesh, t, b);
+  const BaseFootprints at(mesh, t, b);
 
   // ----- the facet
   SurfacePoint point;
@@ -265,12 +260,13 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
     bool flip = false;
     const vec3 side_normal = point.is_back ? -ns : ns;
     front = front_frame(placement, mesh, t, b, side_normal, flip);
-    if (material.clearcoat_normal) {
-      const vec4 texel = material.clearcoat_normal.sample(mesh.uv(t, b, material.clearcoat_normal.uv_set()));
+    if (const auto& texture = material.texture<&Material::clearcoat_normal_texture>()) {
+      const vec4 texel = texture.sample(mesh.uv(t, b, texture.uv_set()));
       coat_normal = mapped_normal(texel, m.clearcoat_normal_scale, front, flip, ns, point.is_back);
     }
-    if (material.normal) {
-      ns = mapped_normal(material.normal.read(at.normal), m.normal_scale, front, flip, ns, point.is_back);
+    if (material.texture<&Material::normal_texture>()) {
+      const vec4 texel = at.read<&Material::normal_texture>(material);
+      ns = mapped_normal(texel, m.normal_scale, front, flip, ns, point.is_back);
     }
     // What an anisotropy texture turns counter-clockwise turns so in the map's own frame.
     if (flip) front.b = -front.b;
@@ -279,7 +275,9 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
 
   // ----- the material
   vec3 base_color = m.base_color * placement.color * vec3(mesh.color(t, b));
-  if (material.base_color) base_color *= vec3(material.base_color.read(at.base_color));
+  if (material.texture<&Material::base_color_texture>()) {
+    base_color *= vec3(at.read<&Material::base_color_texture>(material));
+  }
   if (m.unlit) {
     point.frame = frame_from_normal(ns);
     point.wo = point.frame.to_local(wo);
@@ -300,11 +298,11 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
     fetch_layers(material, mesh, t, b, params);
     if ((params.lobes & shade::kLobeAnisotropy) != 0 && has_tangents) {
       vec2 turn(std::cos(m.anisotropy_rotation), std::sin(m.anisotropy_rotation));
-      if (material.anisotropy) {
-        const vec4 texel = material.anisotropy.sample(mesh.uv(t, b, material.anisotropy.uv_set()));
+      if (const TextureReader& texture = material.textures[kAnisotropySlot]) {
+        const vec4 texel = texture.sample(mesh.uv(t, b, texture.uv_set()));
         const vec2 d = vec2(texel) * 2.0f - 1.0f;
         turn = {turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y};
-        params.anisotropy *= texel.z;
+        apply_texel<kAnisotropySlot>(texel, m, params);
       }
       tangent = front.t * turn.x + front.b * turn.y;
     }
@@ -318,7 +316,9 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   shade::surface_prepare_in(params, point.wo, point.surface);
   if (material.is_emissive && (!point.is_back || m.double_sided)) {
     point.emission = m.emission * shade::surface_emission_scale(point.surface);
-    if (material.emissive) point.emission *= vec3(material.emissive.read(at.emissive));
+    if (material.texture<&Material::emissive_texture>()) {
+      point.emission *= vec3(at.read<&Material::emissive_texture>(material));
+    }
   }
   return point;
 }

@@ -44,8 +44,10 @@ vec3 albedo_at(const Placement& placement, const Hit& hit) {
   const vec3 b(1.0f - hit.u - hit.v, hit.u, hit.v);
   const auto read = [&](const TextureReader& texture) { return texture.sample(mesh.uv(t, b, texture.uv_set())); };
   vec3 color = material.factors.multiscatter_color;
-  if (material.scatter_strength) color *= read(material.scatter_strength).w;
-  if (material.multiscatter_color) color *= vec3(read(material.multiscatter_color));
+  const TextureReader& strength = material.texture<&Material::scatter_strength_texture>();
+  const TextureReader& colors = material.texture<&Material::multiscatter_color_texture>();
+  if (strength) color *= read(strength).w;
+  if (colors) color *= vec3(read(colors));
   return single_scatter_albedo(color, material.medium.anisotropy);
 }
 

@@ -4,20 +4,15 @@
 #include <cstddef>
 
 #include "math/types.h"
-#include "scene/scene.h"
 
-/// Uniform blocks as the shaders declare them (std140; shaders/frame.glsl, material.glsl, lights.glsl). A vector of
-/// three and the number after it share sixteen bytes in both languages; tests/unit/raster/blocks_test.cpp asks the
-/// driver for every offset.
+/// Uniform blocks as the shaders declare them (std140; shaders/frame.glsl, lights.glsl; of materials,
+/// material_block.h). A vector of three and the number after it share sixteen bytes in both languages;
+/// tests/unit/raster/blocks_test.cpp asks the driver for every offset.
 namespace candela::raster {
 
 inline constexpr int kMostLights = 32;
 inline constexpr int kMostShadows = 64;
 inline constexpr int kMostAreas = 8;
-inline constexpr std::size_t kSlots = std::tuple_size_v<decltype(texture_slots(std::declval<Material&>()))>;
-
-/// Places of texture_slots() that somebody asks for by name.
-enum Slot : int { base_color_slot, metallic_roughness_slot, normal_slot, occlusion_slot, emissive_slot };
 
 /// Positions of the frame, of lights and of shadows are relative to the scene's origin (GpuScene::origin).
 struct FrameBlock {
@@ -42,26 +37,6 @@ struct FrameBlock {
 static_assert(offsetof(FrameBlock, eye) == 64 && offsetof(FrameBlock, back) == 80 &&
               offsetof(FrameBlock, least_roughness) == 96 && offsetof(FrameBlock, light_radius) == 112 &&
               offsetof(FrameBlock, shown_parts) == 128 && sizeof(FrameBlock) == 144);
-
-struct MaterialBlock {
-  vec4 base_color{1.0f};
-  vec4 emission{0.0f};
-  vec4 metallic_roughness{0.0f};
-  vec4 specular_color{0.0f};
-  vec4 coat{0.0f};
-  vec4 sheen{0.0f};
-  vec4 anisotropy{0.0f};
-  vec4 film{0.0f};
-  vec4 transmission{0.0f};
-  vec4 extinction{0.0f};
-  vec4 below_color{0.0f};
-  vec4 conductor_n{0.0f};
-  vec4 conductor_k{0.0f};
-  vec4 scatter{0.0f};
-  vec4 scatter_color{0.0f};
-  vec4 relief{0.0f};
-  std::array<vec4, 2 * kSlots> uv_transform{};
-};
 
 struct LightEntry {
   vec3 position{0.0f};

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <set>
 #include <span>
 #include <utility>
 
 #include "base/error.h"
+#include "raster/material_block.h"
 #include "raster/mips.h"
 #include "scene/surface_params.h"
 #include "shade/color.glsl.h"
@@ -46,12 +46,6 @@ std::vector<Vertex> interleave(const Primitive& p, vec3 middle) {
   return vertices;
 }
 
-/// Whether light that enters comes back out near by: a body whose scattering hides what is behind it.
-bool is_scattering(const Material& m) {
-  return m.has_volume() && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f) && !m.unlit &&
-         max_component(m.multiscatter_color) > 0.0f && max_component(volume_extinction(m)) > 0.0f;
-}
-
 // Of sixteen vertex attributes nine are taken; each of the rest holds two sets.
 constexpr std::size_t kMostMoreSets = 14;
 
@@ -62,11 +56,6 @@ std::vector<int> more_sets_of(const Material& m) {
     if (*slot && slot->uv_set > 1) sets.insert(slot->uv_set);
   }
   return {sets.begin(), sets.end()};
-}
-
-/// Where the shader finds a set: 0, 1, then those of `more`.
-int place_of(int set, std::span<const int> more) {
-  return set < 2 ? set : 2 + static_cast<int>(std::lower_bound(more.begin(), more.end(), set) - more.begin());
 }
 
 /// Pairs of further sets, vertex by vertex.
@@ -83,41 +72,6 @@ std::vector<vec4> interleave_more(const Primitive& p, std::span<const int> sets)
     }
   }
   return result;
-}
-
-MaterialBlock make_block(const Material& m, std::span<const int> more_sets) {
-  MaterialBlock b;
-  b.base_color = vec4(m.base_color, m.opacity);
-  b.emission = vec4(m.emission, drawn_cutoff(m.alpha_cutoff));
-  b.metallic_roughness = {m.metallic, m.roughness, m.ior, m.specular};
-  b.specular_color = vec4(m.specular_color, m.normal_scale);
-  b.coat = {m.clearcoat, m.clearcoat_roughness, m.clearcoat_normal_scale, m.occlusion_strength};
-  b.sheen = vec4(m.sheen_color, m.sheen_roughness);
-  b.anisotropy = {m.anisotropy, std::cos(m.anisotropy_rotation), std::sin(m.anisotropy_rotation), m.dispersion};
-  b.film = {m.iridescence, m.iridescence_ior, m.iridescence_thickness_min_nm, m.iridescence_thickness_max_nm};
-  b.transmission = {m.transmission, m.thickness, m.has_volume() ? 0.0f : 1.0f, m.diffuse_transmission};
-  b.extinction = vec4(volume_extinction(m), 0.0f);
-  b.below_color = vec4(m.diffuse_transmission_color, m.scatters_as_sheet() ? m.sheet_scatter : 0.0f);
-  b.conductor_n = vec4(m.conductor_n, 0.0f);
-  b.conductor_k = vec4(m.conductor_k, 0.0f);
-  b.relief = {m.height_scale, m.height_level, 0.0f, 0.0f};
-  if (is_scattering(m)) {
-    // The mean free path, for each colour; Christensen & Burley 2015, "Approximate Reflectance Profiles for Efficient
-    // Subsurface Scattering", eq. 3 and 6, say how wide it spreads.
-    const vec3 extinction = volume_extinction(m);
-    for (int c = 0; c < 3; ++c) {
-      const float a = m.multiscatter_color[c];
-      b.scatter[c] = 1.0f / (std::max(extinction[c], 1e-6f) * (1.85f - a + 7.0f * std::pow(std::abs(a - 0.8f), 3.0f)));
-    }
-  }
-  b.scatter_color = vec4(m.multiscatter_color, 0.5f * (1.0f + m.scatter_anisotropy));
-  const auto slots = texture_slots(m);
-  for (std::size_t i = 0; i < kSlots; ++i) {
-    const auto& t = slots[i]->transform;
-    b.uv_transform[2 * i] = vec4(t[0], t[1]);
-    b.uv_transform[2 * i + 1] = vec4(t[2], place_of(slots[i]->uv_set, more_sets), 0.0f);
-  }
-  return b;
 }
 
 bool is_plain(const TextureSlot& slot) {
@@ -373,7 +327,7 @@ void GpuScene::set_materials(const Scene& scene, Diagnostics& diagnostics) {
   materials_.clear();
   GLint alignment = 256;
   glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
-  const std::size_t stride = (sizeof(MaterialBlock) + static_cast<std::size_t>(alignment) - 1) /
+  const std::size_t stride = (material_block_size() + static_cast<std::size_t>(alignment) - 1) /
                              static_cast<std::size_t>(alignment) * static_cast<std::size_t>(alignment);
   std::vector<std::byte> blocks(stride * scene.materials.size());
   const std::vector<PackedMaterial> packed = pack_textures(scene);
@@ -387,10 +341,9 @@ void GpuScene::set_materials(const Scene& scene, Diagnostics& diagnostics) {
     gpu.block = static_cast<GLintptr>(stride * k);
     gpu.more_sets = more_sets_of(m);
     limit_sets(gpu, diagnostics);
-    const MaterialBlock block = make_block(m, gpu.more_sets);
-    std::memcpy(blocks.data() + gpu.block, &block, sizeof block);
+    write_material_block(m, gpu.more_sets, blocks.data() + gpu.block);
     gpu.key.channels = packed[k].channels;
-    for (std::size_t i = 0; i < kSlots; ++i) {
+    for (std::size_t i = 0; i < kTextureSlots; ++i) {
       const TextureSource& source = packed[k].slots[i];
       const int set = texture_slots(m)[i]->uv_set;
       if (source.image < 0 || (set > 1 && !std::ranges::binary_search(gpu.more_sets, set))) continue;
@@ -519,8 +472,9 @@ bool GpuScene::has_scattering() const {
 }
 
 void GpuScene::bind_material(const GpuMaterial& material, const gl::Program& program) const {
-  glBindBufferRange(GL_UNIFORM_BUFFER, material_binding, material_blocks_, material.block, sizeof(MaterialBlock));
-  for (std::size_t i = 0; i < kSlots; ++i) {
+  glBindBufferRange(GL_UNIFORM_BUFFER, material_binding, material_blocks_, material.block,
+                    static_cast<GLsizeiptr>(material_block_size()));
+  for (std::size_t i = 0; i < kTextureSlots; ++i) {
     if (material.textures[i] == 0) continue;
     program.bind(slot_sampler(i), GL_TEXTURE_2D, material.textures[i], material.samplers[i]);
   }

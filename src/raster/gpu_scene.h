@@ -31,9 +31,9 @@ struct GpuMaterial {
   std::string name;
   std::vector<int> more_sets;  ///< numbers of the uv sets that it reads besides 0 and 1, ascending
   MaterialKey key;
-  GLintptr block = 0;                     ///< its place in the buffer of all materials
-  std::array<GLuint, kSlots> textures{};  ///< 0 where the slot is empty
-  std::array<GLuint, kSlots> samplers{};
+  GLintptr block = 0;                            ///< its place in the buffer of all materials
+  std::array<GLuint, kTextureSlots> textures{};  ///< 0 where the slot is empty
+  std::array<GLuint, kTextureSlots> samplers{};
   bool is_double_sided = false;
   AlphaRange alpha;              ///< of factor and texture
   bool has_opaque_part = false;  ///< blended, and somewhere nothing shows through

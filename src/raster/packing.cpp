@@ -17,8 +17,8 @@ class Packer {
   PackedMaterial unpacked(const Material& m) const {
     PackedMaterial result;
     const auto slots = texture_slots(m);
-    for (std::size_t i = 0; i < kSlots; ++i) {
-      if (*slots[i]) result.slots[i] = {texture(*slots[i]).image, is_srgb_slot(i), {}, {}};
+    for (std::size_t i = 0; i < kTextureSlots; ++i) {
+      if (*slots[i]) result.slots[i] = {texture(*slots[i]).image, kTextureRows[i].is_srgb(), {}, {}};
     }
     if (m.metallic_roughness_texture) {
       result.channels.metallic = {metallic_roughness_slot, 2};

@@ -5,14 +5,23 @@
 #include <cstdint>
 #include <vector>
 
-#include "raster/blocks.h"
+#include "scene/material_table.h"
 #include "scene/scene.h"
 
 /// Fewer textures than a file has: channels that a material needs lie in channels of its other textures that nothing
 /// reads. The numbers stay the same; a shader looks up less, and memory shrinks.
 namespace candela::raster {
 
-/// A channel of the texture of a slot, by its place in texture_slots().
+/// Slots that may give or take channels, by their rows in kTextureRows.
+enum Slot : int {
+  base_color_slot = texture_slot_index(&Material::base_color_texture),
+  metallic_roughness_slot = texture_slot_index(&Material::metallic_roughness_texture),
+  normal_slot = texture_slot_index(&Material::normal_texture),
+  occlusion_slot = texture_slot_index(&Material::occlusion_texture),
+  emissive_slot = texture_slot_index(&Material::emissive_texture),
+};
+
+/// A channel of the texture of a slot.
 struct Channel {
   int slot = -1;  ///< -1: there is none
   int component = 0;
@@ -47,7 +56,7 @@ struct TextureSource {
 };
 
 struct PackedMaterial {
-  std::array<TextureSource, kSlots> slots;
+  std::array<TextureSource, kTextureSlots> slots;
   Channels channels;
 };
 

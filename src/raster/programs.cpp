@@ -8,41 +8,17 @@
 #include <utility>
 
 #include "base/error.h"
+#include "raster/material_block.h"
 #include "raster/opacity.h"
 #include "raster/shader_files.h"
-#include "shade/surface_params.glsl.h"
 
 namespace candela::raster {
 
 namespace {
 
-constexpr std::size_t kHeightSlot = kSlots - 1;
+constexpr std::size_t kHeightSlot = texture_slot_index(&Material::height_texture);
 constexpr std::size_t kMostLightSamplers = 12;  // of a shader for surfaces, besides its material's
 const std::string kMeshFragment = "mesh.frag.glsl";
-constexpr std::array<const char*, kSlots> kSlotNames = {"base_color",
-                                                        "metallic_roughness",
-                                                        "normal",
-                                                        "occlusion",
-                                                        "emissive",
-                                                        "specular",
-                                                        "specular_color",
-                                                        "clearcoat",
-                                                        "clearcoat_roughness",
-                                                        "clearcoat_normal",
-                                                        "sheen_color",
-                                                        "sheen_roughness",
-                                                        "anisotropy",
-                                                        "iridescence",
-                                                        "iridescence_thickness",
-                                                        "transmission",
-                                                        "thickness",
-                                                        "diffuse_transmission",
-                                                        "diffuse_transmission_color",
-                                                        "scatter_strength",
-                                                        "multiscatter_color",
-                                                        "specular_glossiness",
-                                                        "height"};
-
 std::string read_embedded(const std::string& name) {
   const auto file = shader_files().find(name);
   if (file == shader_files().end()) throw Error("no such shader", name);
@@ -53,32 +29,43 @@ std::string define(const std::string& name, int value = 1) {
   return "#define " + name + " " + std::to_string(value) + "\n";
 }
 
-/// The samplers of the slots in `mask`, and a macro for each that reads it.
+/// With the texts that are made of the table of materials.
+gl::ShaderText::Reader with_material_texts(gl::ShaderText::Reader files) {
+  return [files = std::move(files)](const std::string& name) {
+    if (name == "material_block.glsl") return material_block_text();
+    if (name == "material_fetch.glsl") return material_fetch_text();
+    return files(name);
+  };
+}
+
+/// The samplers of the slots in `mask`, and macros that read them.
 std::string slots_text(const MaterialKey& key, std::uint32_t mask) {
-  std::string text = define("kSlots", static_cast<int>(kSlots));
+  std::string text;
   if (key.more_uvs > 0) text += define("MORE_UVS", key.more_uvs);
-  for (std::size_t i = 0; i < kSlots; ++i) {
+  for (std::size_t i = 0; i < kTextureSlots; ++i) {
     if ((mask >> i & 1u) == 0) continue;
-    const std::string name = kSlotNames[i];
-    const std::string uv = key.is_plain_uv ? "surface_uv.xy" : "slot_uv(" + std::to_string(i) + ")";
-    text += define("HAS_" + name);
-    text += fmt::format("uniform sampler2D {2};\n#define {0}_uv() {1}\n", name, uv, slot_sampler(i));
+    const std::string_view name = kTextureRows[i].name;
+    const std::string uv = key.is_plain_uv ? "surface_uv.xy" : fmt::format("slot_uv({})", i);
+    text += fmt::format("#define HAS_{0} 1\nuniform sampler2D {2};\n#define {0}_uv() {1}\n", name, uv, slot_sampler(i));
     text += fmt::format("#define {0}_texel() texture({2}, {1})\n", name, uv, slot_sampler(i));
+    text += factor_texts(i);
   }
   return text;
 }
 
-/// A macro for each number that may stand in one texture or another.
+/// Of numbers that have moved into another texture, the macros that read them there.
 std::string channels_text(const Channels& channels) {
   std::string text;
-  const auto add = [&text](const char* name, const Channel& channel) {
-    if (!channel) return;
-    text += fmt::format("#define {}_factor() {}_texel().{}\n", name, kSlotNames[static_cast<std::size_t>(channel.slot)],
+  const auto add = [&text](NumberOrColor<Material> member, const Channel& channel) {
+    const MaterialProperty& row = property_of(member);
+    if (!channel || channel.slot == static_cast<int>(row.texture.index())) return;
+    text += fmt::format("#define {}_factor() {}_texel().{}\n", row.name,
+                        kTextureRows[static_cast<std::size_t>(channel.slot)].name,
                         "rgba"[static_cast<std::size_t>(channel.component)]);
   };
-  add("metallic", channels.metallic);
-  add("roughness", channels.roughness);
-  add("occlusion", channels.occlusion);
+  add(&Material::metallic, channels.metallic);
+  add(&Material::roughness, channels.roughness);
+  add(&Material::occlusion_strength, channels.occlusion);
   return text;
 }
 
@@ -103,7 +90,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   std::string text = slots_text(key, key.slots) + channels_text(key.channels) + define("LOBES", key.lobes) +
                      define("kMostLights", kMostLights) + define("kMostShadows", kMostShadows) +
                      define("kMostAreas", kMostAreas);
-  const auto add = [&text](bool is_wanted, const char* name) {
+  const auto add = [&text](bool is_wanted, const std::string& name) {
     if (is_wanted) text += define(name);
   };
   const auto has = [&key](int lobe) { return (key.lobes & lobe) != 0; };
@@ -116,11 +103,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(key.is_unlit, "IS_UNLIT");
   add(key.is_specular_glossiness, "IS_SPECULAR_GLOSSINESS");
   add(key.lobes != 0, "HAS_LAYERS");
-  add(has(shade::kLobeAnisotropy) && key.has_tangents, "HAS_ANISOTROPY");
-  add(has(shade::kLobeTransmission), "HAS_TRANSMISSION");
-  add(has(shade::kLobeDiffuseTransmission), "HAS_BELOW");
-  add(has(shade::kLobeSheen), "HAS_SHEEN");
-  add(has(shade::kLobeClearcoat), "HAS_COAT");
+  for (const LobeRow& lobe : kLobes) add(has(lobe.bit), "LOBE_" + std::string(lobe.name));
   add(key.alpha_mode == AlphaMode::mask, "ALPHA_MASK");
   add(key.alpha_mode == AlphaMode::mask && pass.has_coverage, "ALPHA_TO_COVERAGE");
   if (key.alpha_mode == AlphaMode::blend) {
@@ -165,12 +148,10 @@ MaterialKey without_last_slot(MaterialKey key) {
 
 }  // namespace
 
-const char* slot_name(std::size_t i) { return kSlotNames[i]; }
-
 const std::string& slot_sampler(std::size_t i) {
-  static const std::array<std::string, kSlots> kSamplers = [] {
-    std::array<std::string, kSlots> names;
-    for (std::size_t k = 0; k < kSlots; ++k) names[k] = std::string(kSlotNames[k]) + "_texture";
+  static const std::array<std::string, kTextureSlots> kSamplers = [] {
+    std::array<std::string, kTextureSlots> names;
+    for (std::size_t k = 0; k < kTextureSlots; ++k) names[k] = std::string(kTextureRows[k].name) + "_texture";
     return names;
   }();
   return kSamplers[i];
@@ -178,7 +159,8 @@ const std::string& slot_sampler(std::size_t i) {
 
 Programs::Programs(const shade::ShadingModel& model, std::string folder, int most_textures)
     : model_(model),
-      reader_(folder.empty() ? gl::ShaderText::Reader(read_embedded) : gl::read_from_folder(std::move(folder))) {
+      reader_(with_material_texts(folder.empty() ? gl::ShaderText::Reader(read_embedded)
+                                                 : gl::read_from_folder(std::move(folder)))) {
   GLint units = 16;
   glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
   most_textures_ = static_cast<std::size_t>(most_textures > 0 ? std::min(most_textures, units) : units);

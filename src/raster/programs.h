@@ -111,9 +111,7 @@ class Programs {
   std::map<std::pair<std::string, std::string>, std::unique_ptr<gl::Program>> fullscreen_;
 };
 
-/// Of texture_slots(material)[i] in the shaders.
-const char* slot_name(std::size_t i);
-/// The sampler that reads its texture.
+/// The sampler that reads the texture of a row of kTextureRows.
 const std::string& slot_sampler(std::size_t i);
 
 }  // namespace candela::raster

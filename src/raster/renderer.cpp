@@ -304,8 +304,8 @@ void Renderer::bind_light(const gl::Program& program) const {
 void Renderer::tell_left_out(const GpuMaterial& material, std::uint32_t slots) {
   if (!told_materials_.insert(material.block).second) return;
   std::string names;
-  for (std::size_t i = 0; i < kSlots; ++i) {
-    if ((slots >> i & 1u) != 0) names += std::string(names.empty() ? "" : ", ") + slot_name(i);
+  for (std::size_t i = 0; i < kTextureSlots; ++i) {
+    if ((slots >> i & 1u) != 0) names.append(names.empty() ? "" : ", ").append(kTextureRows[i].name);
   }
   diagnostics_.warn("more textures than the driver reads at once; left out: " + names, material.name);
 }

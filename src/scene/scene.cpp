@@ -1,10 +1,13 @@
 #include "scene/scene.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <string>
 
 #include "base/error.h"
 #include "math/box.h"
+#include "scene/material_table.h"
 #include "shade/units.glsl.h"
 
 namespace candela {
@@ -75,45 +78,17 @@ void validate_primitive(const Scene& scene, const Primitive& p, const std::strin
           "a vertex is not finite", where);
 }
 
-bool positive(vec3 v) { return v.x > 0.0f && v.y > 0.0f && v.z > 0.0f; }
-
-/// The ranges that formulas rely on; all numbers are finite.
-void validate_ranges(const Material& m, const std::string& where) {
-  const bool weights = in_unit(m.opacity) && in_unit(m.metallic) && in_unit(m.roughness) && in_unit(m.clearcoat) &&
-                       in_unit(m.clearcoat_roughness) && in_unit(m.sheen_color) && in_unit(m.sheen_roughness) &&
-                       in_unit(m.anisotropy) && in_unit(m.iridescence) && in_unit(m.transmission) &&
-                       in_unit(m.diffuse_transmission) && in_unit(m.diffuse_transmission_color) &&
-                       in_unit(m.multiscatter_color) && in_unit(m.sheet_scatter) && in_unit(m.attenuation_color);
-  require(weights, "a weight or a colour lies outside 0 to 1", where);
-  require(m.ior == 0.0f || m.ior >= 1.0f, "the index of refraction is neither 0 nor at least 1", where);
-  require(m.iridescence_ior >= 1.0f, "the film's index of refraction is below 1", where);
-  require(m.iridescence_thickness_min_nm >= 0.0f && m.iridescence_thickness_max_nm >= 0.0f && m.thickness >= 0.0f,
-          "a thickness is negative", where);
-  require(positive(m.attenuation_color), "a volume lets nothing through at all", where);
-  require(m.dispersion >= 0.0f, "the dispersion is negative", where);
-  require(std::fabs(m.scatter_anisotropy) < 1.0f, "the scattering's anisotropy does not lie between -1 and 1", where);
-  require(positive(m.conductor_n) && glm::all(glm::greaterThanEqual(m.conductor_k, vec3(0.0f))),
-          "the metal's index of refraction is not positive", where);
-}
-
 void validate_material(const Scene& scene, const Material& m, const std::string& where) {
-  const bool numbers_finite = is_finite(m.base_color) && is_finite(m.opacity) && is_finite(m.metallic) &&
-                              is_finite(m.roughness) && is_finite(m.ior) && is_finite(m.specular) &&
-                              is_finite(m.specular_color) && is_finite(m.emission) && is_finite(m.normal_scale) &&
-                              is_finite(m.occlusion_strength) && is_finite(m.alpha_cutoff);
-  const bool layers_finite =
-      is_finite(m.clearcoat) && is_finite(m.clearcoat_roughness) && is_finite(m.clearcoat_normal_scale) &&
-      is_finite(m.sheen_color) && is_finite(m.sheen_roughness) && is_finite(m.anisotropy) &&
-      is_finite(m.anisotropy_rotation) && is_finite(m.iridescence) && is_finite(m.iridescence_ior) &&
-      is_finite(m.iridescence_thickness_min_nm) && is_finite(m.iridescence_thickness_max_nm) &&
-      is_finite(m.conductor_n) && is_finite(m.conductor_k);
-  const bool volume_finite = is_finite(m.transmission) && is_finite(m.thickness) && m.attenuation_distance > 0.0f &&
-                             is_finite(m.attenuation_color) && is_finite(m.dispersion) &&
-                             is_finite(m.diffuse_transmission) && is_finite(m.diffuse_transmission_color) &&
-                             is_finite(m.multiscatter_color) && is_finite(m.scatter_anisotropy) &&
-                             is_finite(m.sheet_scatter) && is_finite(m.height_scale) && is_finite(m.height_level);
-  require(numbers_finite && layers_finite && volume_finite, "a factor is not finite", where);
-  validate_ranges(m, where);
+  for (const MaterialProperty& row : kMaterialProperties) {
+    for (int i = 0; i < row.member.size(); ++i) {
+      const float value = row.member.at(m, i);
+      if (row.range.contains(value)) continue;
+      throw Error(fmt::format("{} {} lies outside {:g} to {:g}", row.name, value, row.range.lower, row.range.upper),
+                  where);
+    }
+  }
+  const vec3 left = m.attenuation_color;
+  require(left.x > 0.0f && left.y > 0.0f && left.z > 0.0f, "a volume lets nothing through at all", where);
   for (const TextureSlot* slot : texture_slots(m)) {
     require(none_or_in_range(slot->texture, scene.textures.size()), "the texture does not exist", where);
     require(slot->uv_set >= 0, "the uv set is negative", where);
@@ -181,24 +156,6 @@ Box3 bounds(const Mesh& mesh) {
 }
 
 }  // namespace
-
-std::vector<std::string_view> material_lobes(const Material& m) {
-  if (m.unlit) return {"unlit"};
-  const bool transmits = m.transmission > 0.0f || m.diffuse_transmission > 0.0f;
-  const bool volume = transmits && m.has_volume();
-  std::vector<std::string_view> lobes{m.specular_glossiness ? "specular-glossiness" : "metallic-roughness"};
-  if (m.is_conductor() && m.metallic > 0.0f) lobes.emplace_back("conductor");
-  if (m.anisotropy > 0.0f) lobes.emplace_back("anisotropy");
-  if (m.iridescence > 0.0f) lobes.emplace_back("iridescence");
-  if (m.clearcoat > 0.0f) lobes.emplace_back("clearcoat");
-  if (m.sheen_color != vec3(0.0f)) lobes.emplace_back("sheen");
-  if (m.transmission > 0.0f) lobes.emplace_back("transmission");
-  if (m.diffuse_transmission > 0.0f) lobes.emplace_back("diffuse transmission");
-  if (volume) lobes.emplace_back("volume");
-  if ((volume && m.multiscatter_color != vec3(0.0f)) || m.scatters_as_sheet()) lobes.emplace_back("scattering");
-  if (volume && m.transmission > 0.0f && m.dispersion > 0.0f) lobes.emplace_back("dispersion");
-  return lobes;
-}
 
 void update_world_transforms(Scene& scene) {
   enum : char { unknown, pending, done };

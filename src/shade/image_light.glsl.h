@@ -1,7 +1,6 @@
 #ifndef CANDELA_SHADE_IMAGE_LIGHT_GLSL_H
 #define CANDELA_SHADE_IMAGE_LIGHT_GLSL_H
 
-#include "shade/layer_shares.glsl.h"
 #include "shade/surface.glsl.h"
 
 // What a surface makes of prefiltered light: the share of each lobe, seen from wo. With light that is the same from

@@ -13,11 +13,13 @@
 //
 // surface_base.glsl.h     metallic-roughness alone: what most surfaces are, and all they pay for
 // surface_terms.glsl.h    F, D, V and the diffuse shape by choice
-// surface_layers.glsl.h   everything else, each lobe behind its bit
-// surface.glsl.h          the choice between the two
+// lobe_….glsl.h           everything else, a file for each lobe
+// layers_above.glsl.h     how coat and sheen dim what lies below them
+// surface_layers.glsl.h   the order of the lobes, each behind its bit
+// surface.glsl.h          the choice between the short way and the long one
 //
-// A lobe is added at five places: its bit and members (surface_params.glsl.h), and in surface_layers.glsl.h
-// layers_prepare, layers_chances, layers_eval_above or _below, and layers_sample.
+// A lobe is a bit, its members of SurfaceParams and Surface (surface_params.glsl.h), a file of its own, and a line in
+// each function of surface_layers.glsl.h that has something to ask of it.
 
 SHADE_BEGIN
 
@@ -25,11 +27,11 @@ SHADE_BEGIN
 SHADE_FN void surface_prepare_in(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surface) s) {
   base_matter(p, s);
   if (p.lobes != 0) layers_matter(p, s);
-  vec2 ab = p.lobes == 0 ? table_ggx_curve(wo.z, s.row, s.curve) : layers_ggx(s, wo, s.curve);
-  vec2 mean = p.lobes == 0 ? table_ggx_curve_mean(s.row, s.curve) : layers_ggx_mean(s);
+  vec2 ab = p.lobes == 0 ? table_ggx_curve(wo.z, s.row, s.curve) : anisotropy_ggx(s, wo, s.curve);
+  vec2 mean = p.lobes == 0 ? table_ggx_curve_mean(s.row, s.curve) : anisotropy_ggx_mean(s);
   vec2 ab_metal = ab;
   if (s.curve.i > 0 && s.weight_metal > 0.0f) {
-    ab_metal = p.lobes == 0 ? table_ggx(wo.z, s.row) : layers_ggx(s, wo, table_curve_schlick());
+    ab_metal = p.lobes == 0 ? table_ggx(wo.z, s.row) : anisotropy_ggx(s, wo, table_curve_schlick());
   }
   base_energy(ab, mean, ab_metal, s);
   if (p.lobes != 0) layers_prepare(p, wo, ab, mean, s);
@@ -77,9 +79,9 @@ SHADE_FN vec3 surface_albedo(SHADE_IN(Surface) s) {
 }
 
 /// What is left of emission on its way out through the layers above the base.
-SHADE_FN float surface_emission_scale(SHADE_IN(Surface) s) {
-  if ((s.lobes & (kLobeSheen | kLobeClearcoat)) == 0) return 1.0f;
-  return (1.0f - s.coat * s.coat_albedo_o) * (1.0f - s.sheen_weight * s.sheen_albedo_o);
+SHADE_FN vec3 surface_emission_scale(SHADE_IN(Surface) s) {
+  if ((s.lobes & (kLobeSheen | kLobeClearcoat)) == 0) return vec3(1.0f);
+  return layers_emission_scale(s);
 }
 
 SHADE_END

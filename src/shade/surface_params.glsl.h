@@ -46,7 +46,7 @@ struct SurfaceParams {
   vec3 diffuse_transmission_color;
   float scatter;  ///< share of what a sheet transmits that is scattered, below the bit of diffuse transmission
   vec3 scatter_color;
-  float scatter_forward;  ///< share of it that leaves on the other side
+  float scatter_anisotropy;  ///< of which (1 + this) / 2 leaves on the other side
 
   vec3 sheen_color;
   float sheen_roughness;
@@ -150,6 +150,13 @@ struct Surface {
   float chance_coat;
 };
 
+/// A layer above the base, seen at one direction: its albedo at weight 1, and how it dims the base's specular lobe (see
+/// table_over).
+struct LayerAt {
+  float albedo;
+  vec3 over;
+};
+
 struct SurfaceEval {
   vec3 value;  ///< f·|cos θi|
   float pdf;   ///< per solid angle
@@ -174,6 +181,13 @@ struct SurfaceShares {
   vec3 coat;
 };
 
+SHADE_FN LayerAt layer_absent() {
+  LayerAt at;
+  at.albedo = 0.0f;
+  at.over = vec3(1.0f);
+  return at;
+}
+
 SHADE_FN SurfaceParams surface_params_default() {
   SurfaceParams p;
   p.lobes = 0;
@@ -197,7 +211,7 @@ SHADE_FN SurfaceParams surface_params_default() {
   p.diffuse_transmission_color = vec3(1.0f);
   p.scatter = 0.0f;
   p.scatter_color = vec3(1.0f);
-  p.scatter_forward = 0.5f;
+  p.scatter_anisotropy = 0.0f;
   p.sheen_color = vec3(0.0f);
   p.sheen_roughness = 0.0f;
   p.clearcoat = 0.0f;

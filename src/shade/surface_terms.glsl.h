@@ -9,11 +9,6 @@
 
 SHADE_BEGIN
 
-SHADE_FN float terms_coat_fresnel(SHADE_IN(Surface) s, float cos_theta) {
-  if (s.coat_curve.i > 0) return fresnel_dielectric(cos_theta, kCoatIndex);
-  return kCoatF0 + (1.0f - kCoatF0) * schlick_weight(cos_theta);
-}
-
 /// A film on a dielectric that reflects `f0`, seen from air.
 SHADE_FN vec3 terms_film(SHADE_IN(Surface) s, float cos_theta, vec3 f0) {
   return thin_film_fresnel(cos_theta, 1.0f, s.film_ior, f0, s.film_nm);
@@ -25,12 +20,6 @@ SHADE_FN vec3 terms_film_metal(SHADE_IN(Surface) s, float cos_theta) {
     return thin_film_conductor(cos_theta, 1.0f, s.film_ior, s.conductor_n, s.conductor_k, s.film_nm);
   }
   return thin_film_metal(cos_theta, 1.0f, s.film_ior, s.film_f0_metal, s.film_nm);
-}
-
-/// How far the reflectance has risen from F0 (0) to F90 (1), by the exact law of a boundary with normal reflectance
-/// `f0`.
-SHADE_FN float terms_exact_rise(float cos_theta, float eta, float f0) {
-  return f0 < 1.0f ? shade_saturate((fresnel_dielectric(cos_theta, eta) - f0) / (1.0f - f0)) : 0.0f;
 }
 
 SHADE_FN vec3 terms_fresnel_dielectric(SHADE_IN(Surface) s, float cos_theta) {
@@ -62,29 +51,6 @@ SHADE_FN vec3 terms_fresnel_opaque(SHADE_IN(Surface) s, float cos_theta) {
   if (s.weight_dielectric > 0.0f) f += s.weight_dielectric * terms_fresnel_dielectric(s, cos_theta);
   if (s.weight_metal > 0.0f) f += s.weight_metal * terms_fresnel_metal(s, cos_theta);
   return f;
-}
-
-/// Of a transparent boundary, at the cosine on its rarer side: the exact law between F0 and F90.
-SHADE_FN vec3 terms_fresnel_glass_rare(SHADE_IN(Surface) s, float cos_theta) {
-  vec3 f0 = s.glass_f0_tinted;
-  float rise = terms_exact_rise(cos_theta, max(s.eta, 1.0f / s.eta), s.glass_f0);
-  vec3 f = f0 + (vec3(s.f90_dielectric) - f0) * rise;
-  return s.iridescence > 0.0f ? mix(f, terms_film(s, cos_theta, f0), s.iridescence) : f;
-}
-
-/// The same at the cosine on wo's side; all of it at total internal reflection.
-SHADE_FN vec3 terms_fresnel_glass(SHADE_IN(Surface) s, float cos_theta) {
-  if (s.eta >= 1.0f) return terms_fresnel_glass_rare(s, cos_theta);
-  float sin2_rare = (1.0f - cos_theta * cos_theta) / (s.eta * s.eta);
-  if (sin2_rare >= 1.0f) return vec3(1.0f);
-  return terms_fresnel_glass_rare(s, sqrt(1.0f - sin2_rare));
-}
-
-/// Probability of following the reflected part of glass whose facets reflect `f` and tint what goes through.
-SHADE_FN float terms_glass_chance(vec3 f, vec3 tint) {
-  float reflected = shade_max3(f);
-  float through = shade_max3(tint * (vec3(1.0f) - f));
-  return through > 0.0f ? reflected / (reflected + through) : 1.0f;
 }
 
 /// D·V, both directions above.

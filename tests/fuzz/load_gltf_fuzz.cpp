@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "io/gltf.h"
+#include "scene/material_table.h"
 
 /// Any bytes: the loader gives an Error or a scene that keeps its promises. Images are measured, not decoded: their
 /// decoders have tests of their own, and a bomb of a gigabyte is allowed there.

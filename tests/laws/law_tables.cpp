@@ -169,7 +169,7 @@ TEST(law_tables, layers_over_a_white_lobe_return_their_transmission) {
         p.roughness = r;
         const auto factor = [&](const shade::Surface& s, float mu) {
           const shade::LayersAt at = shade::layers_at(s, direction(mu, 0.3f));
-          return is_coat ? at.coat_over.x : at.sheen_over.x;
+          return is_coat ? at.coat.over.x : at.sheen.over.x;
         };
         for (const float mu : kCosines) {
           const vec3 wo = direction(mu, 0.3f);

@@ -279,8 +279,9 @@ std::vector<Mutant> energy_mutants() {
         if (!above(wo, wi)) return e;
         const shade::LayersAt at = shade::layers_at(s, wi);
         e.value = shade::surface_eval(shade::surface_prepare(bare, wo), wo, wi).value;
-        e.value += lobe == shade::kLobeClearcoat ? shade::layers_eval_coat(s, wo, wi).value
-                                                 : shade::layers_eval_sheen(s, wo, wi, at);
+        e.value += lobe == shade::kLobeClearcoat
+                       ? shade::coat_eval(s, wo, wi).value
+                       : shade::sheen_eval(s, wo, wi, shade::layers_below_coat(s, at), at.sheen_scale);
         return e;
       });
     };

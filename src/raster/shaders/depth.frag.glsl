@@ -4,9 +4,9 @@
 in float v_alpha;
 
 float fetch_opacity() {
-  float a = base_color.a * v_alpha;
-#ifdef HAS_base_color
-  a *= base_color_texel().a;
+  float a = material.opacity * v_alpha;
+#ifdef opacity_factor
+  a *= opacity_factor();
 #endif
   return a;
 }
@@ -38,7 +38,7 @@ void main() {
   gl_FragDepth = depth;
 #endif
 #ifdef ALPHA_MASK
-  if (fetch_opacity() < emission.a) discard;
+  if (fetch_opacity() < material.drawn_cutoff) discard;
 #endif
 #ifdef ALPHA_BLEND
   float a = fetch_opacity();

@@ -53,7 +53,7 @@ uniform ivec4 depth_slice;  // the layers between which a draw shows what is the
 #endif
 #ifdef IN_BODY
 uniform vec3 body_extinction;
-#ifndef HAS_TRANSMISSION
+#ifndef LOBE_transmission
 uniform float body_share;  // of radiance in it that is left outside, where the lens is: 1 over the square of its index
 #endif
 #endif
@@ -127,14 +127,14 @@ void move_uvs(vec2 steps) {
 /// "Real-Time Relief Mapping on Arbitrary Polygonal Surfaces": a linear search, then the chord of the last step.
 void find_relief(vec3 n, vec3 wo) {
   move_uvs(vec2(0.0));
-  float depth = relief.x * v_scale;
+  float depth = material.height_scale * v_scale;
   float cosine = max(dot(n, wo), 0.08);
   // From the top of the relief, as far as the view goes sideways down to its bottom.
   vec2 steps_down = steps_along((n * dot(n, wo) - wo) / cosine, n) * depth;
   vec2 middle = height_uv();
   relief_dx = dFdx(middle), relief_dy = dFdy(middle);
   vec2 sideways = relief_dx * steps_down.x + relief_dy * steps_down.y;
-  vec2 uv = middle - sideways * (1.0 - relief.y);
+  vec2 uv = middle - sideways * (1.0 - material.height_level);
   int steps = int(mix(40.0, 12.0, cosine));
   float last_gap = 1.0 - relief_at(uv);
   float t = 0.0, dt = 1.0 / float(steps);
@@ -148,7 +148,7 @@ void find_relief(vec3 n, vec3 wo) {
     last_gap = gap;
     t = next;
   }
-  move_uvs(steps_down * (t - 1.0 + relief.y));
+  move_uvs(steps_down * (t - 1.0 + material.height_level));
 }
 
 /// What the relief makes of a normal that no map tells of.
@@ -164,7 +164,7 @@ vec3 relief_normal(vec3 n) {
   float step = max(0.5 * length(fwidth(v_position)), 0.5 / max(per_metre, 1e-12));
   float dx = relief_at(uv + ux * step) - relief_at(uv - ux * step);
   float dy = relief_at(uv + uy * step) - relief_at(uv - uy * step);
-  return normalize(n - (x * dx + y * dy) * (relief.x * v_scale / (2.0 * step)));
+  return normalize(n - (x * dx + y * dy) * (material.height_scale * v_scale / (2.0 * step)));
 }
 #endif
 
@@ -194,12 +194,12 @@ Point make_point(bool is_back) {
   bool flip = v_tangent.w < 0.0;
   mat3 front = mat3(t, cross(nf, t), nf);
 #ifdef HAS_clearcoat_normal
-  p.coat_normal = mapped(clearcoat_normal_texel(), coat.z, front, flip, ns, side);
+  p.coat_normal = mapped(clearcoat_normal_texel(), material.clearcoat_normal_scale, front, flip, ns, side);
 #endif
 #ifdef HAS_normal
-  ns = mapped(normal_texel(), specular_color.w, front, flip, ns, side);
+  ns = mapped(normal_texel(), material.normal_scale, front, flip, ns, side);
 #endif
-  vec2 turn = anisotropy.yz;
+  vec2 turn = vec2(material.anisotropy_cos, material.anisotropy_sin);
 #ifdef HAS_anisotropy
   vec2 d = anisotropy_texel().xy * 2.0 - 1.0;
   turn = vec2(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y);
@@ -213,48 +213,36 @@ Point make_point(bool is_back) {
 // ----- material
 
 float fetch_opacity() {
-  float a = base_color.a;
+  float a = material.opacity;
 #ifdef HAS_COLOR
   a *= v_color.a;
 #endif
-#ifdef HAS_base_color
-  a *= base_color_texel().a;
+#ifdef opacity_factor
+  a *= opacity_factor();
 #endif
   return a;
 }
 
 vec3 fetch_base_color() {
-  vec3 c = base_color.rgb;
+  vec3 c = material.base_color;
 #ifdef HAS_COLOR
   c *= v_color.rgb;
 #endif
-#ifdef HAS_base_color
-  c *= base_color_texel().rgb;
+#ifdef base_color_factor
+  c *= base_color_factor();
 #endif
   return c;
 }
 
+#include "material_fetch.glsl"
+
 SurfaceParams fetch_params() {
   SurfaceParams p = surface_params_default();
   p.lobes = LOBES;
+  fetch_factors(p);
   p.base_color = fetch_base_color();
-  p.metallic = metallic_roughness.x;
-  p.roughness = metallic_roughness.y;
-  p.ior = metallic_roughness.z;
-  p.specular = metallic_roughness.w;
-  p.specular_color = specular_color.rgb;
-#ifdef roughness_factor
-  p.roughness *= roughness_factor();
-#endif
-#ifdef metallic_factor
-  p.metallic *= metallic_factor();
-#endif
-#ifdef HAS_specular
-  p.specular *= specular_texel().a;
-#endif
-#ifdef HAS_specular_color
-  p.specular_color *= specular_color_texel().rgb;
-#endif
+  p.is_thin = material.thickness <= 0.0;
+  p.eta = material.ior;
 #ifdef IS_SPECULAR_GLOSSINESS
 #ifdef HAS_specular_glossiness
   vec4 sg = specular_glossiness_texel();
@@ -272,62 +260,6 @@ SurfaceParams fetch_params() {
   p.model.blend = MODEL_BLEND;
   p.model.multiscatter = MODEL_MULTISCATTER == 1;
   p.model.literal_layers = MODEL_LITERAL_LAYERS == 1;
-#endif
-#ifdef HAS_LAYERS
-  p.anisotropy = anisotropy.x;
-#ifdef HAS_anisotropy
-  p.anisotropy *= anisotropy_texel().b;
-#endif
-  p.iridescence = film.x;
-  p.film_ior = film.y;
-  p.film_nm = film.w;
-#ifdef HAS_iridescence
-  p.iridescence *= iridescence_texel().r;
-#endif
-#ifdef HAS_iridescence_thickness
-  p.film_nm = mix(film.z, film.w, iridescence_thickness_texel().g);
-#endif
-  p.conductor_n = conductor_n.rgb;
-  p.conductor_k = conductor_k.rgb;
-  p.transmission = transmission.x;
-#ifdef HAS_transmission
-  p.transmission *= transmission_texel().r;
-#endif
-  p.is_thin = transmission.z > 0.5;
-  p.eta = metallic_roughness.z;
-  p.diffuse_transmission = transmission.w;
-  p.diffuse_transmission_color = below_color.rgb;
-#ifdef HAS_diffuse_transmission
-  p.diffuse_transmission *= diffuse_transmission_texel().a;
-#endif
-#ifdef HAS_diffuse_transmission_color
-  p.diffuse_transmission_color *= diffuse_transmission_color_texel().rgb;
-#endif
-  p.scatter = below_color.a;
-  p.scatter_color = scatter_color.rgb;
-  p.scatter_forward = scatter_color.a;
-#ifdef HAS_scatter_strength
-  p.scatter *= scatter_strength_texel().a;
-#endif
-#ifdef HAS_multiscatter_color
-  p.scatter_color *= multiscatter_color_texel().rgb;
-#endif
-  p.sheen_color = sheen.rgb;
-  p.sheen_roughness = sheen.a;
-#ifdef HAS_sheen_color
-  p.sheen_color *= sheen_color_texel().rgb;
-#endif
-#ifdef HAS_sheen_roughness
-  p.sheen_roughness *= sheen_roughness_texel().a;
-#endif
-  p.clearcoat = coat.x;
-  p.clearcoat_roughness = coat.y;
-#ifdef HAS_clearcoat
-  p.clearcoat *= clearcoat_texel().r;
-#endif
-#ifdef HAS_clearcoat_roughness
-  p.clearcoat_roughness *= clearcoat_roughness_texel().g;
-#endif
 #endif
   return p;
 }
@@ -387,8 +319,8 @@ vec3 mirrored_light(Point p, vec3 n, float alpha) {
 
 float occlusion() {
   float visible = 1.0;
-#ifdef occlusion_factor
-  visible = 1.0 + coat.w * (occlusion_factor() - 1.0);
+#ifdef occlusion_strength_factor
+  visible = 1.0 + material.occlusion_strength * (occlusion_strength_factor() - 1.0);
 #endif
 #ifdef HAS_SCREEN_OCCLUSION
   // The map has half the picture's size: of the four texels around, those at this depth.
@@ -411,7 +343,7 @@ float occlusion() {
   return visible;
 }
 
-#ifdef HAS_TRANSMISSION
+#ifdef LOBE_transmission
 /// What is seen through the surface along a direction that leaves it at `exit` (world): the opaque picture, blurred by
 /// `alpha`, and where it shows nothing (`open`) the light from far away or a background that comes later.
 vec3 behind(vec3 exit, vec3 direction, float alpha, out float open) {
@@ -452,9 +384,9 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open
 #endif
   float thickness = 0.0;
 #ifdef HAS_BODY
-  thickness = transmission.y * v_scale;
-#ifdef HAS_thickness
-  thickness *= thickness_texel().g;
+  thickness = material.thickness * v_scale;
+#ifdef thickness_factor
+  thickness *= thickness_factor();
 #endif
 #endif
   // Of a body one boundary is drawn, which takes half of its colour; the other half is the far one's.
@@ -468,8 +400,8 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open
   // The lobe narrows as the bend does.
   float bent_alpha = alpha * clamp(2.0 * n - 2.0, 0.0, 1.0);
   vec3 color;
-  vec3 channel_ior = dispersion_channel_ior(n, anisotropy.w);
-  int rays = anisotropy.w > 0.0 && n > 1.0 ? 3 : 1;
+  vec3 channel_ior = dispersion_channel_ior(n, material.dispersion);
+  int rays = material.dispersion > 0.0 && n > 1.0 ? 3 : 1;
   for (int i = 0; i < rays; ++i) {
     vec3 inner = refract(-p.wo, p.normal, 1.0 / (rays == 3 ? channel_ior[i] : n));
     if (dot(inner, inner) < 0.5) inner = -p.wo;
@@ -488,7 +420,7 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open
       open.b = seen_open;
     }
   }
-  left *= exp(-extinction.rgb * thickness);
+  left *= exp(-material.extinction * thickness);
   open *= left;
   return color * left;
 }
@@ -505,7 +437,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
   color = shares.diffuse * texture(diffuse_light, n).rgb * (part(1) / kShadePi) *
           image_light_multibounce(visible, min(shares.diffuse, vec3(1.0)));
   vec3 bent = n;
-#ifdef HAS_ANISOTROPY
+#if defined(LOBE_anisotropy) && defined(HAS_TANGENT)
   // The lobe is wide along x: the normal leans towards the viewer in the plane across it.
   vec3 across = frame[1];
   vec3 along_view = cross(across, p.wo);
@@ -516,24 +448,24 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
   float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
   color += (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * (part(2) * specular_visible);
 #ifdef HAS_LAYERS
-#if defined(HAS_BELOW) && !defined(IS_SCATTERING)
+#if defined(LOBE_diffuse_transmission) && !defined(IS_SCATTERING)
   color += shares.below * texture(diffuse_light, -n).rgb * (part(1) / kShadePi);
 #endif
-#ifdef HAS_SHEEN
+#ifdef LOBE_sheen
 #ifdef HAS_SHEEN_LIGHT
   color += shares.sheen * textureLod(sheen_light, far_light_direction(2.0 * wo.z * n - p.wo), far_light_level(roughness_to_alpha(s.sheen_roughness))).rgb * (part(8) * visible);
 #else
   color += shares.sheen * texture(diffuse_light, n).rgb * (part(8) * visible / kShadePi);
 #endif
 #endif
-#ifdef HAS_COAT
+#ifdef LOBE_clearcoat
   vec3 nc = normalize(frame * s.coat_normal);
   color += shares.coat * mirrored_light(p, nc, s.coat_alpha) *
            (part(4) * image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha));
 #endif
 #endif
 #endif
-#if defined(HAS_TRANSMISSION) && !defined(IS_SCATTERING)
+#if defined(LOBE_transmission) && !defined(IS_SCATTERING)
   vec3 open;
   color += shares.through * transmitted_light(p, params, s.alpha, open) * part(16);
 #ifdef HAS_THROUGH
@@ -559,7 +491,7 @@ mat3 viewer_frame(vec3 n, vec3 wo) {
 vec3 area_light(Point p, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
   mat3 local = viewer_frame(p.normal, p.wo);
   mat3 lobe = area_lobe(wo.z, sqrt(s.alpha)) * local;
-#ifdef HAS_COAT
+#ifdef LOBE_clearcoat
   vec3 nc = normalize(frame * s.coat_normal);
   mat3 coat_lobe = area_lobe(max(dot(nc, p.wo), 0.0), sqrt(s.coat_alpha)) * viewer_frame(nc, p.wo);
 #endif
@@ -572,10 +504,10 @@ vec3 area_light(Point p, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
     vec3 value = shares.diffuse * seen + (shares.specular + shares.glass) * area_seen(lobe, c);
 #ifdef HAS_LAYERS
     value += shares.sheen * seen;
-#ifdef HAS_COAT
+#ifdef LOBE_clearcoat
     value += shares.coat * area_seen(coat_lobe, c);
 #endif
-#if defined(HAS_BELOW) && !defined(IS_SCATTERING)
+#if defined(LOBE_diffuse_transmission) && !defined(IS_SCATTERING)
     value += shares.below * area_seen(mat3(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0) * local, c);
 #endif
 #endif
@@ -616,18 +548,18 @@ vec3 scattered_light(Point p, SurfaceShares shares) {
   }
 #endif
   // Light leaves a thin body before it has taken on its colour: matched by eye to spheres that the path tracer shows.
-  float thickness = transmission.y * v_scale;
-#ifdef HAS_thickness
-  thickness *= thickness_texel().g;
+  float thickness = material.thickness * v_scale;
+#ifdef thickness_factor
+  thickness *= thickness_factor();
 #endif
-  vec3 deep = scatter_color.rgb;
-#ifdef HAS_scatter_strength
-  deep *= scatter_strength_texel().a;
+  vec3 deep = material.multiscatter_color;
+#ifdef sheet_scatter_factor
+  deep *= sheet_scatter_factor();
 #endif
-#ifdef HAS_multiscatter_color
-  deep *= multiscatter_color_texel().rgb;
+#ifdef multiscatter_color_factor
+  deep *= multiscatter_color_factor();
 #endif
-  vec3 color = mix(deep, vec3(1.0), exp(-0.25 * extinction.rgb * thickness));
+  vec3 color = mix(deep, vec3(1.0), exp(-0.25 * material.extinction * thickness));
   return (shares.through + shares.below) * color * arriving * (part(16) / kShadePi);
 }
 #endif
@@ -657,7 +589,7 @@ Shading prepare(bool is_back) {
   t = t2 > 1e-16 ? t * inversesqrt(t2) : shade_tangent(p.normal);
   mat3 frame = mat3(t, cross(p.normal, t), p.normal);
   vec3 wo = p.wo * frame;
-#ifdef HAS_COAT
+#ifdef LOBE_clearcoat
   params.clearcoat_normal = keep_reflection_outside(p.coat_normal, p.geometric, p.wo) * frame;
 #endif
   Surface s = surface_prepare(params, wo);
@@ -672,9 +604,9 @@ Shading prepare(bool is_back) {
 
 #ifdef IS_EMISSIVE
 vec3 emitted_light(Surface s) {
-  vec3 emitted = emission.rgb * surface_emission_scale(s);
-#ifdef HAS_emissive
-  emitted *= emissive_texel().rgb;
+  vec3 emitted = material.emission * surface_emission_scale(s);
+#ifdef emission_factor
+  emitted *= emission_factor();
 #endif
   return emitted;
 }
@@ -698,7 +630,7 @@ vec4 shaded() {
 #ifdef IS_SCATTERING
 #ifdef HAS_SCATTERING
   o_scattered = vec4(scattered_light(p, shares), dot(eye - v_position, back));
-  o_width = vec4(scatter.rgb * v_scale, 0.0);
+  o_width = vec4(material.scatter_width * v_scale, 0.0);
 #else
   color += scattered_light(p, shares);
 #endif
@@ -810,7 +742,7 @@ vec3 passing_body() {
   float boundary = texelFetch(depth_layers, ivec3(ivec2(gl_FragCoord.xy), 1), 0).x;
   if (gl_FragCoord.z - layer_slack() > boundary) return vec3(1.0);
   vec3 passing = exp(-body_extinction * distance(eye.xyz, v_position));
-#ifndef HAS_TRANSMISSION
+#ifndef LOBE_transmission
   // What enters through the boundary has risen by as much as falls at the lens; what is seen through glass has fallen.
   passing *= body_share;
 #endif
@@ -833,10 +765,10 @@ void main() {
   float a = fetch_opacity();
 #ifdef ALPHA_TO_COVERAGE
   // One texel of the picture wide, around the cutoff.
-  opacity = clamp((a - emission.a) / max(fwidth(a), 1e-4) + 0.5, 0.0, 1.0);
+  opacity = clamp((a - material.drawn_cutoff) / max(fwidth(a), 1e-4) + 0.5, 0.0, 1.0);
   if (opacity <= 0.0) discard;
 #else
-  if (a < emission.a) discard;
+  if (a < material.drawn_cutoff) discard;
 #endif
 #endif
 #ifdef ALPHA_BLEND

@@ -1,18 +1,17 @@
 // In place of shade/surface_layers.glsl.h for materials that have no layers: their surfaces have no lobes, so that
 // nothing of this is ever called. A driver spends nine tenths of its time on the layers otherwise.
 #define CANDELA_SHADE_SURFACE_LAYERS_GLSL_H
-#define CANDELA_SHADE_LAYER_SHARES_GLSL_H
 #include "shade/surface_base.glsl.h"
 #include "shade/surface_terms.glsl.h"
 
 void layers_matter(SurfaceParams p, inout Surface s) {}
-vec2 layers_ggx(Surface s, vec3 w, TableCell curve) { return vec2(0.0); }
-vec2 layers_ggx_mean(Surface s) { return vec2(0.0); }
+vec2 anisotropy_ggx(Surface s, vec3 w, TableCell curve) { return vec2(0.0); }
+vec2 anisotropy_ggx_mean(Surface s) { return vec2(0.0); }
 void layers_prepare(SurfaceParams p, vec3 wo, vec2 ab, vec2 mean, inout Surface s) {}
 bool layers_is_delta(Surface s) { return false; }
 bool layers_scatters_through(Surface s) { return false; }
-float layers_through(Surface s, float coat_albedo, float sheen_albedo) { return 1.0; }
 vec3 layers_straight(Surface s, vec3 wo) { return vec3(0.0); }
+vec3 layers_emission_scale(Surface s) { return vec3(1.0); }
 vec3 layers_albedo(Surface s, vec3 specular) { return vec3(0.0); }
 void layers_shares(Surface s, vec3 wo, inout SurfaceShares r) {}
 

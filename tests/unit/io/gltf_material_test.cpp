@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "scene/material_table.h"
 #include "unit/base/temp_folder.h"
 #include "unit/io/gltf_builder.h"
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "raster/material_block.h"
 #include "raster/programs.h"
 #include "unit/raster/gl_fixture.h"
 
@@ -96,6 +97,17 @@ std::size_t members_in(const gl::Program& program, const std::string& block) {
   glGetActiveUniformBlockiv(program.id(), glGetUniformBlockIndex(program.id(), block.c_str()),
                             GL_UNIFORM_BLOCK_ACTIVE_UNIFORMS, &count);
   return static_cast<std::size_t>(count);
+}
+
+TEST_F(unit_blocks, a_materials_numbers_lie_where_the_driver_reads_them) {
+  const auto context = gl::Context::open();
+  Programs programs(shade::shading_model_candela());
+  const gl::Program& program = *programs.mesh(MaterialKey{}, PassKey{}).program;
+  std::vector<Member> members;
+  for (const BlockField& field : material_block_fields()) members.push_back({field.name, field.offset});
+  expect_offsets(program, "Material", material_block_size(), members);
+  // Of every slot's transform four members; above are those of two slots.
+  EXPECT_EQ(members_in(program, "Material"), members.size() - 8 + 4 * kTextureSlots);
 }
 
 TEST_F(unit_blocks, members_lie_where_the_driver_reads_them) {

@@ -1,0 +1,122 @@
+#ifndef CANDELA_SHADE_LOBE_CLEARCOAT_GLSL_H
+#define CANDELA_SHADE_LOBE_CLEARCOAT_GLSL_H
+
+#include "shade/surface_terms.glsl.h"
+
+// KHR_materials_clearcoat: a clear boundary of its own normal above everything else.
+
+SHADE_BEGIN
+
+/// No coat; of one, the curve of its reflectance.
+SHADE_FN void coat_matter(bool has_index, SHADE_INOUT(Surface) s) {
+  s.coat_curve = table_curve_at(has_index ? kTableCurveOfGlass : 0);
+  s.coat = 0.0f;
+  s.coat_normal = vec3(0.0f, 0.0f, 1.0f);
+  s.coat_multiscatter = 0.0f;
+}
+
+SHADE_FN float coat_fresnel(SHADE_IN(Surface) s, float cos_theta) {
+  if (s.coat_curve.i > 0) return fresnel_dielectric(cos_theta, kCoatIndex);
+  return kCoatF0 + (1.0f - kCoatF0) * schlick_weight(cos_theta);
+}
+
+SHADE_FN float coat_cosine(SHADE_IN(Surface) s, vec3 w) { return abs(dot(s.coat_normal, w)); }
+
+/// At a direction where its split-sum terms are `ab`, at weight 1.
+SHADE_FN float coat_albedo(SHADE_IN(Surface) s, vec2 ab) {
+  return kCoatF0 * ab.x + ab.y + s.coat_escape_share * (1.0f - ab.x - ab.y);
+}
+
+SHADE_FN void coat_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surface) s) {
+  s.coat_roughness = p.clearcoat_roughness;
+  s.coat_alpha = roughness_to_alpha(p.clearcoat_roughness);
+  s.is_coat_mirror = s.coat_alpha < kGgxMirrorAlpha;
+  s.coat_normal = p.clearcoat_normal;
+  s.coat = p.clearcoat;
+  s.coat_row = table_ggx_roughness(s.coat_roughness);
+  vec2 mean = table_ggx_curve_mean(s.coat_row, s.coat_curve);
+  float escape_mean = 1.0f - mean.x - mean.y;
+  float f_mean = kCoatF0 + (1.0f - kCoatF0) * table_walk_rise(s.coat_row, s.coat_curve);
+  float share = s.model.multiscatter ? multiscatter_share(f_mean, table_walk(s.coat_row)) : 0.0f;
+  s.coat_escape_share = share;
+  s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
+  vec2 ab = table_ggx_curve(coat_cosine(s, wo), s.coat_row, s.coat_curve);
+  s.coat_escape_o = s.is_coat_mirror ? 0.0f : base_escape(ab);
+}
+
+/// At cosines to the coat's normal and to the base's, above a base of this roughness.
+SHADE_FN LayerAt coat_at(SHADE_IN(Surface) s, float coat_mu, float mu, float roughness) {
+  LayerAt at = layer_absent();
+  if ((s.lobes & kLobeClearcoat) == 0) return at;
+  at.albedo = coat_albedo(s, table_ggx_curve(coat_mu, s.coat_row, s.coat_curve));
+  // How the base's lobe spreads is the base normal's matter; how much comes through, the coat's.
+  at.over = table_coat_over(mu, roughness, s.coat_roughness, at.albedo);
+  return at;
+}
+
+/// What it is estimated to reflect to wo.
+SHADE_FN float coat_estimate(SHADE_IN(Surface) s, vec3 wo) {
+  return dot(s.coat_normal, wo) <= 1e-4f ? 0.0f : s.coat * s.coat_albedo_o;  // 0: it turns its back
+}
+
+SHADE_FN bool coat_is_delta(SHADE_IN(Surface) s) { return s.chance_coat <= 0.0f || s.is_coat_mirror; }
+
+// ----- in its own frame
+
+SHADE_FN vec3 coat_to_local(SHADE_IN(Surface) s, vec3 w) {
+  vec3 t = shade_tangent(s.coat_normal);
+  return vec3(dot(w, t), dot(w, cross(s.coat_normal, t)), dot(w, s.coat_normal));
+}
+
+SHADE_FN vec3 coat_from_local(SHADE_IN(Surface) s, vec3 w) {
+  vec3 t = shade_tangent(s.coat_normal);
+  return t * w.x + cross(s.coat_normal, t) * w.y + s.coat_normal * w.z;
+}
+
+/// The coat: value and density.
+SHADE_FN SurfaceEval coat_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
+  SurfaceEval r;
+  r.value = vec3(0.0f);
+  r.pdf = 0.0f;
+  vec3 o = coat_to_local(s, wo);
+  vec3 i = coat_to_local(s, wi);
+  if (o.z <= 0.0f || i.z <= 0.0f) return r;
+  vec2 ab = table_ggx_curve(i.z, s.coat_row, s.coat_curve);
+  float f = s.coat_multiscatter * s.coat_escape_o * base_escape(ab);
+  if (!s.is_coat_mirror) {
+    vec3 wm = o + i;
+    float cos_m = 0.5f * length(wm);
+    wm = wm * (0.5f / cos_m);
+    f += coat_fresnel(s, cos_m) * ggx_d(wm, s.coat_alpha) * ggx_v_smith(o, i, s.coat_alpha);
+    r.pdf = ggx_pdf_visible(o, wm, s.coat_alpha);
+  }
+  r.value = vec3(s.coat * f * i.z);
+  return r;
+}
+
+/// A smooth coat's mirror direction, as a delta lobe.
+SHADE_FN SurfaceSample coat_sample_delta(SHADE_IN(Surface) s, vec3 wo) {
+  SurfaceSample r = surface_no_sample(wo);
+  vec3 o = coat_to_local(s, wo);
+  vec3 wi = coat_from_local(s, vec3(-o.x, -o.y, o.z));
+  if (wi.z <= 0.0f) return r;
+  r.wi = wi;
+  r.is_delta = true;
+  r.pdf = s.chance_coat;
+  // The cosine cancels, so that no other normal's enters.
+  r.weight = vec3(s.coat * coat_fresnel(s, o.z) / r.pdf);
+  return r;
+}
+
+/// A direction of the rough lobe.
+SHADE_FN vec3 coat_direction(SHADE_IN(Surface) s, vec3 wo, vec2 u) {
+  vec3 o = coat_to_local(s, wo);
+  return coat_from_local(s, microfacet_reflect(o, ggx_sample_visible(o, s.coat_alpha, u)));
+}
+
+/// Of light that is the same from everywhere.
+SHADE_FN vec3 coat_share(SHADE_IN(Surface) s) { return vec3(s.coat * s.coat_albedo_o); }
+
+SHADE_END
+
+#endif

@@ -1,0 +1,66 @@
+#ifndef CANDELA_SHADE_LOBE_SHEEN_GLSL_H
+#define CANDELA_SHADE_LOBE_SHEEN_GLSL_H
+
+#include "shade/surface_terms.glsl.h"
+
+// KHR_materials_sheen: fibres that stand up between the base and the coat.
+
+SHADE_BEGIN
+
+SHADE_FN void sheen_matter(SHADE_INOUT(Surface) s) {
+  s.sheen_weight = 0.0f;
+  s.sheen = vec3(0.0f);
+}
+
+SHADE_FN void sheen_prepare(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
+  s.sheen = p.sheen_color;
+  s.sheen_roughness = max(p.sheen_roughness, kSheenLeastRoughness);
+  s.sheen_alpha = sheen_alpha(p.sheen_roughness);
+  s.sheen_weight = shade_max3(p.sheen_color);
+}
+
+/// At a cosine, above a base of this roughness.
+SHADE_FN LayerAt sheen_at(SHADE_IN(Surface) s, float mu, float roughness) {
+  LayerAt at = layer_absent();
+  if ((s.lobes & kLobeSheen) == 0) return at;
+  at.albedo = table_sheen(mu, s.sheen_roughness);
+  at.over = table_sheen_over(mu, roughness, s.sheen_roughness, at.albedo);
+  return at;
+}
+
+/// Factor of the fibres at a cosine that brings their albedo to that of the table.
+SHADE_FN float sheen_scale(SHADE_IN(Surface) s, float mu) {
+  if ((s.lobes & kLobeSheen) == 0 || s.model.literal_layers) return 1.0f;
+  return table_sheen_scale(mu, s.sheen_roughness);
+}
+
+/// What it is estimated to reflect to wo.
+SHADE_FN float sheen_estimate(SHADE_IN(Surface) s) {
+  float sheen = s.sheen_weight * s.sheen_albedo_o;
+  return sheen < 1e-6f ? 0.0f : sheen;  // rounding: straight down between narrow fibres there is nothing
+}
+
+SHADE_FN bool sheen_is_delta(SHADE_IN(Surface) s) { return s.chance_sheen <= 0.0f; }
+
+/// Below a coat, which lets `coat_share` through on both ways; at wi it is `scale` of the fibres alone.
+SHADE_FN vec3 sheen_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi, float coat_share, float scale) {
+  vec3 wm = normalize(wo + wi);
+  float share = coat_share * (s.sheen_scale_o * scale);
+  return s.sheen * (share * charlie_d(wm, s.sheen_alpha) * charlie_v(wo, wi, s.sheen_alpha) * wi.z);
+}
+
+/// Density of its samples, which are uniform over the hemisphere.
+SHADE_CONST float kSheenPdf = 0.5f / kShadePi;
+
+SHADE_FN vec3 uniform_hemisphere_sample(vec2 u) {
+  float r = sqrt(max(1.0f - u.x * u.x, 0.0f));
+  float phi = 2.0f * kShadePi * u.y;
+  return vec3(r * cos(phi), r * sin(phi), u.x);
+}
+
+/// Of light that is the same from everywhere, below no coat.
+SHADE_FN vec3 sheen_share(SHADE_IN(Surface) s) { return s.sheen * s.sheen_albedo_o; }
+
+SHADE_END
+
+#endif
