@@ -84,7 +84,7 @@ void add_sampling(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--filter", "NAME", o.shot.traced.filter, parse_filter, "box, gaussian or blackman-harris [box]")
       ->group(group);
   add_value(verb, "--integrator", "NAME", o.shot.traced.integrator, parse_integrator,
-            "full, or minimal: the same mean by following the material alone [full]")
+            "full; minimal: the same mean by following the material alone; surfaces: likewise, without bodies [full]")
       ->group(group);
   const auto shading = [&o](const std::string& text) {
     o.shot.shading = parse_shading(text);

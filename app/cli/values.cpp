@@ -180,8 +180,10 @@ path::PixelFilter parse_filter(const std::string& text) {
 
 path::Integrator parse_integrator(const std::string& text) {
   using enum path::Integrator;
-  return one_of(text,
-                std::array<std::pair<std::string_view, path::Integrator>, 2>{{{"full", full}, {"minimal", minimal}}});
+  std::array<std::pair<std::string_view, path::Integrator>, 3> names;
+  std::size_t at = 0;
+  for (const path::Integrator i : {full, minimal, surfaces}) names[at++] = {path::integrator_name(i), i};
+  return one_of(text, names);
 }
 
 shade::ShadingModel parse_shading(const std::string& text) {

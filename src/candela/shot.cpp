@@ -240,9 +240,7 @@ std::map<std::string, std::string> Take::metadata(double samples_per_pixel) cons
       {"scene", shot_.scene},
       {"camera", camera_},
       {"environment", environment_.name},
-      {"integrator", shot_.engine == Engine::raster                      ? "raster"
-                     : shot_.traced.integrator == path::Integrator::full ? "full"
-                                                                         : "minimal"},
+      {"integrator", shot_.engine == Engine::raster ? "raster" : path::integrator_name(shot_.traced.integrator)},
       {"samples", fmt::format("{}", samples_per_pixel)},
       {"seed", fmt::format("{}", shot_.traced.seed)},
       {"version", fmt::format("candela {}", version())}};

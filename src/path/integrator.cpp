@@ -293,6 +293,32 @@ PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler
   return sample;
 }
 
+PathSample trace_path_surfaces(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
+  hit = first_visible_hit(context, ray, hit, counts);
+  if (!hit) return background_sample(context, ray.direction);
+  PathSample sample;
+  vec3 throughput(1.0f);
+  for (int depth = 0; hit; ++depth) {
+    const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, Crossing{}.eta);
+    if (depth == 0) record_first_surface(point, sample);
+    sample.radiance += throughput * point.emission;
+    if (point.is_unlit || depth == context.bounces) return sample;
+
+    const shade::SurfaceSample next = shade::surface_sample(point.surface, point.wo, sampler.next_3d());
+    throughput *= next.weight;
+    const vec3 direction = point.frame.to_world(next.wi);
+    // Where the shading normal leans over, a reflected direction may lie below the surface.
+    const bool is_below = point.is_outside(direction) != (next.wi.z > 0.0f);
+    if (is_below || max_component(throughput) <= 0.0f) return sample;
+
+    ray = {.origin = point.ray_origin(direction), .direction = direction};
+    ++counts.bounce;
+    hit = context.geometry.intersect(ray, sampler.next_hash());
+  }
+  sample.radiance += throughput * context.lights.escaped_radiance(ray.direction);
+  return sample;
+}
+
 PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
   PathSample sample;
   if (context.has_first_surface) find_first_surface(context, ray, sample);

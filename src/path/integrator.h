@@ -39,11 +39,17 @@ struct PathSample {
 /// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees.
 Hit first_visible_hit(const PathContext& context, const Ray& ray, const Hit& hit, RayCounts& counts);
 
-/// Radiance that comes back along a camera ray whose first hit is known. Unbiased; see docs/theory/path-tracing.md.
-PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
+/// A ladder of three rungs to read from below; each has the same expectation where it holds.
+///
+/// The first: surfaces alone, by following the material until a light is met. For scenes without bodies, transparent
+/// backgrounds and surfaces at the same place. Sees no punctual light, which has no size.
+PathSample trace_path_surfaces(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
 
-/// The same expectation without looking for lights: it only follows the material until a light is met. Sees no punctual
-/// light (they have no size). Read this one first.
+/// The second: the same through bodies, sheets and whatever else there is.
 PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
+
+/// The third, which renders: it looks for lights as well. Radiance that comes back along a camera ray whose first hit
+/// is known. Unbiased; see docs/theory/path-tracing.md.
+PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
 
 }  // namespace candela::path

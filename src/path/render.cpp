@@ -57,6 +57,19 @@ void check_view(const View& view) {
   }
 }
 
+/// The function that follows a path.
+decltype(&trace_path) path_of(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::minimal:
+      return trace_path_minimal;
+    case Integrator::surfaces:
+      return trace_path_surfaces;
+    case Integrator::full:
+      break;
+  }
+  return trace_path;
+}
+
 const Settings& checked(const Settings& settings) {
   check_settings(settings);
   return settings;
@@ -105,6 +118,8 @@ class Picture::Impl {
         converged_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height), 0),
         tiles_x_((settings.width + kTile - 1) / kTile),
         tiles_y_((settings.height + kTile - 1) / kTile) {
+    if (settings.integrator == Integrator::surfaces && geometry_.has_media())
+      throw Error("the integrator of surfaces alone cannot enter the scene's bodies; minimal can", parts_->scene->name);
     find_start();
   }
 
@@ -209,9 +224,7 @@ void Picture::Impl::render_block(ivec2 corner, std::uint32_t first_sample, std::
     // ----- then every path on its own
     for (int i = 0; i < RayPacket::kSize; ++i) {
       if (!packet.active[i]) continue;
-      PathSample sample = settings_.integrator == Integrator::full
-                              ? trace_path(context_, packet.rays[i], hits[i], samplers[i], counts)
-                              : trace_path_minimal(context_, packet.rays[i], hits[i], samplers[i], counts);
+      PathSample sample = path_of(settings_.integrator)(context_, packet.rays[i], hits[i], samplers[i], counts);
       sample.radiance *= weights[i];
       if (!accumulator_.add(pixels[i].x, pixels[i].y, sample)) ++non_finite;
       ++samples;
@@ -418,6 +431,18 @@ Film Picture::Impl::film() const {
   accumulator_.resolve(film);
   trace_centre_layers(film);
   return film;
+}
+
+const char* integrator_name(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::minimal:
+      return "minimal";
+    case Integrator::surfaces:
+      return "surfaces";
+    case Integrator::full:
+      break;
+  }
+  return "full";
 }
 
 std::uint64_t picture_bytes(const Settings& settings) {

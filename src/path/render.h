@@ -14,10 +14,14 @@
 namespace candela::path {
 
 enum class PixelFilter { box, gaussian, blackman_harris };
+/// Three estimators of one expectation, from the quickest to the shortest to read; see integrator.h.
 enum class Integrator {
-  full,    ///< next-event estimation with multiple importance sampling
-  minimal  ///< samples the material only: same mean, more noise; the reading ladder and the test oracle
+  full,     ///< next-event estimation with multiple importance sampling
+  minimal,  ///< samples the material only: same mean, more noise; the test oracle
+  surfaces  ///< the same for scenes without bodies; others are an Error
 };
+/// "full", "minimal" or "surfaces".
+const char* integrator_name(Integrator integrator);
 
 struct Settings {
   int width = 1280;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/error.h"
 #include "unit/path/scenes.h"
 
 // The integrator with all its strategies has the mean of the one that only follows the material.
@@ -138,6 +139,30 @@ Case polished() {
   disc.radiance = vec3(20.0f);
   c.environment.suns.push_back(disc);
   return c;
+}
+
+// The shorter one draws the same numbers in the same order where nothing is at one place and nothing is glass, so that
+// not only the means agree.
+TEST(law_path, surfaces_alone_are_the_minimal_integrator_where_there_is_nothing_else) {
+  for (const Case& c : {room_with_lamp(), metal_under_map(), textured_lamp(), instances(), sun(), polished()}) {
+    path::Settings s = settings(16, 64, 6);
+    s.integrator = path::Integrator::minimal;
+    const dvec3 minimal = mean_of(shoot(c.scene, c.environment, c.view, s).beauty);
+    s.integrator = path::Integrator::surfaces;
+    const dvec3 surfaces = mean_of(shoot(c.scene, c.environment, c.view, s).beauty);
+    EXPECT_LT(glm::distance(minimal, surfaces), 1e-5 * glm::length(minimal)) << c.name;
+    s.bounces = 2;
+    EXPECT_GT(glm::distance(minimal, mean_of(shoot(c.scene, c.environment, c.view, s).beauty)),
+              1e-3 * glm::length(minimal))
+        << c.name << ", the twin: shorter paths";
+  }
+  SceneBuilder b;
+  Material glass = plastic(vec3(1.0f), 0.0f);
+  glass.transmission = 1.0f, glass.thickness = 1.0f;
+  b.add(sphere(vec3(0.0f), 1.0f, 2, false), glass);
+  path::Settings s = settings(4, 1, 1);
+  s.integrator = path::Integrator::surfaces;
+  EXPECT_THROW(shoot(b.build(), dark_environment(), look_at({0, 0, 4}, vec3(0.0f), 0.8f), s), Error);
 }
 
 TEST(law_path, full_and_minimal_integrator_have_the_same_mean) {
