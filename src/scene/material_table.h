@@ -39,6 +39,15 @@ constexpr std::string_view extension_of_place(std::string_view place) {
   return at == std::string_view::npos ? std::string_view() : place.substr(at + kExtensions.size());
 }
 
+/// Extensions of these places that other viewers need not read, and why.
+struct UnratifiedExtension {
+  std::string_view name;
+  std::string_view why;
+};
+inline constexpr auto kUnratifiedExtensions = std::to_array<UnratifiedExtension>({
+    {"KHR_materials_diffuse_transmission", "a release candidate, not ratified"},
+});
+
 // ----- textures
 
 /// What a slot takes from its image. Alpha alone may share an image with anything: extensions pack it so.
