@@ -73,6 +73,11 @@ void with_film(SurfaceParams& p) {
   p.iridescence = 1.0f;
 }
 
+void with_diffuse_roughness(SurfaceParams& p, float roughness) {
+  p.lobes |= shade::kLobeDiffuseRoughness;
+  p.diffuse_roughness = roughness;
+}
+
 // A metal that absorbs less than half a thousandth.
 void with_conductor(SurfaceParams& p) {
   p.lobes |= shade::kLobeConductor;
@@ -165,6 +170,16 @@ void add_layers(Table& table) {
 }
 
 void add_matter(Table& table) {
+  for (const float roughness : {0.5f, 1.0f}) {
+    SurfaceParams p = white(0.0f);
+    with_diffuse_roughness(p, roughness);
+    table.add("diffuse roughness " + number(roughness), p, {}, true);
+    SurfaceParams ochre = p;
+    ochre.base_color = vec3(0.8f, 0.5f, 0.2f);
+    table.add("ochre of diffuse roughness " + number(roughness), ochre, {true, false, 1.0, 0.005}, true);
+    with_diffuse_transmission(p);
+    table.add("diffuse roughness " + number(roughness) + " that lets light through", p, {}, true);
+  }
   for (const float ior : {1.1f, 1.5f, 2.42f}) {
     for (std::size_t i = 1; i < kGlasses.size(); ++i) {
       SurfaceParams p = white(0.0f);

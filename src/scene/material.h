@@ -24,7 +24,7 @@ struct TextureSlot {
 enum class AlphaMode { opaque, mask, blend };
 
 /// glTF 2.0 metallic-roughness with every ratified KHR_materials_* extension, the release candidate
-/// diffuse_transmission and the drafts volume_scatter and scatter. Factors are linear, in the range their extension
+/// diffuse_transmission and the drafts diffuse_roughness, volume_scatter and scatter. Factors are linear, in the range their extension
 /// gives; each is multiplied by its texture's channel named beside it.
 struct Material {
   std::string name;
@@ -92,6 +92,10 @@ struct Material {
   vec3 diffuse_transmission_color{1.0f};
   TextureSlot diffuse_transmission_texture;        ///< A
   TextureSlot diffuse_transmission_color_texture;  ///< sRGB
+
+  // KHR_materials_diffuse_roughness (draft): 0 = Lambert's diffuse layer, 1 = facets that stand every way
+  float diffuse_roughness = 0.0f;
+  TextureSlot diffuse_roughness_texture;  ///< R
 
   // KHR_materials_volume_scatter, KHR_materials_scatter (drafts)
   vec3 multiscatter_color{0.0f};         ///< of a body times the strength of its scattering

@@ -46,6 +46,7 @@ struct UnratifiedExtension {
 };
 inline constexpr auto kUnratifiedExtensions = std::to_array<UnratifiedExtension>({
     {"KHR_materials_diffuse_transmission", "a release candidate, not ratified"},
+    {"KHR_materials_diffuse_roughness", "a draft"},
 });
 
 // ----- textures
@@ -70,6 +71,7 @@ inline constexpr std::string_view kAnisotropyPlace = "extensions/KHR_materials_a
 inline constexpr std::string_view kIridescencePlace = "extensions/KHR_materials_iridescence";
 inline constexpr std::string_view kTransmissionPlace = "extensions/KHR_materials_transmission";
 inline constexpr std::string_view kVolumePlace = "extensions/KHR_materials_volume";
+inline constexpr std::string_view kDiffuseRoughnessPlace = "extensions/KHR_materials_diffuse_roughness";
 inline constexpr std::string_view kDiffuseTransmissionPlace = "extensions/KHR_materials_diffuse_transmission";
 
 /// Every texture slot. The rasterizer leaves out the last ones first where a driver has too little room.
@@ -105,6 +107,7 @@ inline constexpr auto kTextureRows = [] {
        &M::diffuse_transmission_color_texture,
        {kDiffuseTransmissionPlace, "diffuseTransmissionColorTexture"},
        color},
+      {"diffuse_roughness", &M::diffuse_roughness_texture, {kDiffuseRoughnessPlace, "diffuseRoughnessTexture"}, data},
       {"scatter_strength", &M::scatter_strength_texture, {kSpecialPlace, "scatterStrengthTexture"}, alpha},
       {"multiscatter_color", &M::multiscatter_color_texture, {kSpecialPlace, "multiscatterColorTexture"}, color},
       {"specular_glossiness", &M::specular_glossiness_texture, {kSpecialPlace, "specularGlossinessTexture"}, color},
@@ -191,6 +194,7 @@ inline constexpr auto kLobes = std::to_array<LobeRow>({
     {shade::kLobeSheen, "sheen", "sheen"},
     {shade::kLobeTransmission, "transmission", "transmission"},
     {shade::kLobeDiffuseTransmission, "diffuse transmission", "diffuse_transmission"},
+    {shade::kLobeDiffuseRoughness, "diffuse roughness", "diffuse_roughness"},
 });
 
 /// The lobe that alone reads a property.
@@ -345,6 +349,9 @@ inline constexpr auto kMaterialProperties = [] {
           {kDiffuseTransmissionPlace, "diffuseTransmissionColorFactor"}, kUnit,
           {&M::diffuse_transmission_color_texture, rgb}, {kLobeDiffuseTransmission}, &P::diffuse_transmission_color,
           "of that light"),
+      Row("diffuse_roughness", &M::diffuse_roughness, {kDiffuseRoughnessPlace, "diffuseRoughnessFactor"}, kUnit,
+          {&M::diffuse_roughness_texture, red}, {kLobeDiffuseRoughness, kSwitch}, &P::diffuse_roughness,
+          "of the diffuse layer's own facets"),
       Row("sheet_scatter", &M::sheet_scatter, kSpecial, kUnit, {&M::scatter_strength_texture, alpha},
           {kLobeDiffuseTransmission}, {&P::scatter, "scatter"}, "share of what a sheet transmits that is scattered"),
       Row("multiscatter_color", &M::multiscatter_color, kSpecial, kUnit, {&M::multiscatter_color_texture, rgb},

@@ -4,6 +4,7 @@
 #include "shade/lobe_anisotropy.glsl.h"
 #include "shade/lobe_clearcoat.glsl.h"
 #include "shade/lobe_conductor.glsl.h"
+#include "shade/lobe_diffuse_roughness.glsl.h"
 #include "shade/lobe_diffuse_transmission.glsl.h"
 #include "shade/lobe_iridescence.glsl.h"
 #include "shade/lobe_sheen.glsl.h"
@@ -32,6 +33,7 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   iridescence_matter(p, s);
   anisotropy_matter(p, s);
   conductor_matter(p, s);
+  rough_diffuse_matter(p, s);
   glass_matter(p, s);
   below_matter(p, s);
   iridescence_matter_on_top(p, s);
@@ -90,6 +92,7 @@ SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec
   if ((s.lobes & kLobeClearcoat) != 0) coat_prepare(p, wo, s);
   if ((s.lobes & kLobeSheen) != 0) sheen_prepare(p, s);
   glass_prepare(wo, s);
+  rough_diffuse_prepare(ab, mean, s);
 
   LayersAt at = layers_at(s, wo);
   s.coat_albedo_o = at.coat.albedo;
@@ -131,7 +134,12 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
   r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
   r.value = lost * over;
   if (s.weight_glass > 0.0f) r.value += vec3(glass_multireflected(s, wi, escape) * over);
-  r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, wi, cos_m, at, ab);
+  if (s.diffuse_roughness > 0.0f) {
+    r.value += lambert_f(s.diffuse) * rough_diffuse_gain(s, s.diffuse_color, wo, wi, ab) *
+               layers_diffuse_share(s, wo, wi, cos_m, at, ab);
+  } else {
+    r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, wi, cos_m, at, ab);
+  }
 
   // ----- facets
   if (!s.is_mirror) {
@@ -163,6 +171,9 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
 SHADE_APART SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
   vec2 ab = anisotropy_ggx(s, wi, s.curve);
   SurfaceEval r = below_eval(s, wi, at, ab);
+  if (s.diffuse_roughness > 0.0f) {
+    r.value = r.value * rough_diffuse_gain(s, s.diffuse_below_color, wo, vec3(wi.x, wi.y, -wi.z), ab);
+  }
   if (s.weight_glass > 0.0f && !s.is_glass_delta) glass_add_below(s, wo, wi, ab, layers_across(s, at), r);
   return r;
 }
@@ -244,8 +255,8 @@ SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOU
   // The tables know a film at normal incidence; here it has the colour of this angle.
   if (s.iridescence > 0.0f) specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - s.single_albedo_o;
   r.specular = specular * over;
-  r.diffuse = s.diffuse * s.film_below_o * s.transmission_o;
-  r.below = below_share(s);
+  r.diffuse = s.diffuse * s.film_below_o * s.transmission_o * rough_diffuse_albedo(s, s.diffuse_color, wo.z);
+  r.below = below_share(s) * rough_diffuse_albedo(s, s.diffuse_below_color, wo.z);
   r.sheen = sheen_share(s) * (1.0f - s.coat * s.coat_albedo_o);
   r.coat = coat_share(s);
 #ifndef SHADE_DEFAULT_MODEL

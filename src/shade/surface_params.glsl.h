@@ -17,6 +17,7 @@ SHADE_CONST int kLobeTransmission = 16;
 SHADE_CONST int kLobeDiffuseTransmission = 32;
 SHADE_CONST int kLobeSheen = 64;
 SHADE_CONST int kLobeClearcoat = 128;
+SHADE_CONST int kLobeDiffuseRoughness = 256;
 
 /// What textures and factors say at one point, before any physics. Linear Rec.709.
 struct SurfaceParams {
@@ -54,6 +55,8 @@ struct SurfaceParams {
   float clearcoat;
   float clearcoat_roughness;
   vec3 clearcoat_normal;  ///< local
+
+  float diffuse_roughness;
 };
 
 /// The closure: what eval, sample and pdf need, computed once per hit for one viewing direction.
@@ -144,6 +147,12 @@ struct Surface {
   float coat_albedo_o;
   float coat_over_o;  ///< how it dims the specular lobe at wo
 
+  float diffuse_roughness;
+  vec3 diffuse_color;  ///< of that layer, whatever its weight
+  vec3 diffuse_below_color;
+  float diffuse_balance_mean;  ///< mean transmission of the boundary
+  float diffuse_balance_o;     ///< see rough_diffuse_balance
+
   float chance_glass;
   float chance_diffuse_below;  ///< cosine-weighted, other side
   float chance_sheen;
@@ -217,6 +226,7 @@ SHADE_FN SurfaceParams surface_params_default() {
   p.clearcoat = 0.0f;
   p.clearcoat_roughness = 0.0f;
   p.clearcoat_normal = vec3(0.0f, 0.0f, 1.0f);
+  p.diffuse_roughness = 0.0f;
   return p;
 }
 
