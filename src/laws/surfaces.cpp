@@ -169,6 +169,31 @@ void add_layers(Table& table) {
   }
 }
 
+/// The drafts that add to KHR_materials_clearcoat.
+void add_coats(Table& table) {
+  for (const float metallic : {0.0f, 1.0f}) {
+    const std::string matter = metallic > 0.0f ? " on metal" : " on dielectric";
+    for (const float ior : {0.0f, 1.1f, 1.2f, 2.0f}) {
+      SurfaceParams p = white(metallic);
+      with_coat(p, 0.2f);
+      p.clearcoat_ior = ior;
+      // What a coat leaves of the lobe below is tabulated for 1.5.
+      table.add("coat of index " + number(ior) + matter, p, {true, true, 0.03, 0.0125}, true);
+    }
+    SurfaceParams red = white(metallic);
+    with_coat(red, 0.1f);
+    red.clearcoat_color = vec3(0.9f, 0.3f, 0.2f);
+    red.clearcoat_ior = 1.7f;
+    table.add("red coat" + matter, red, {true, false, 1.0, 0.0125}, true);
+    SurfaceParams dark = white(metallic);
+    with_coat(dark, 0.1f);
+    dark.clearcoat_darkening = 1.0f;
+    table.add("coat that darkens white" + matter, dark, {}, true);
+    dark.base_color = vec3(0.5f, 0.2f, 0.1f);
+    table.add("coat that darkens" + matter, dark, {true, false, 1.0, 0.005}, true);
+  }
+}
+
 void add_matter(Table& table) {
   for (const float roughness : {0.5f, 1.0f}) {
     SurfaceParams p = white(0.0f);
@@ -380,6 +405,7 @@ std::vector<NamedSurface> law_surfaces() {
   Table table;
   add_plain(table);
   add_layers(table);
+  add_coats(table);
   add_matter(table);
   add_combinations(table);
   add_mixtures(table);

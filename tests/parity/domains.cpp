@@ -231,6 +231,9 @@ const std::vector<Row>& rows() {
       {"SurfaceParams.conductor_k", uniform(0.1f, 8.0f)},
       {"SurfaceParams.anisotropy", often(0.0f, uniform(0.0f, 1.0f))},
       {"SurfaceParams.transmission", often(1.0f, uniform(0.0f, 1.0f))},
+      {"SurfaceParams.clearcoat_ior", often(1.5f, uniform(1.0f, 2.5f))},
+      {"SurfaceParams.clearcoat_color", often(1.0f, uniform(0.1f, 1.0f))},
+      {"SurfaceParams.clearcoat_darkening", often(0.0f, uniform(0.0f, 1.0f))},
       {"SurfaceParams.eta", magnitude(0.4f, 2.5f)},
       {"SurfaceParams.clearcoat_normal", often_up(direction(0.3f, 1.0f))},
 
