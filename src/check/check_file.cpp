@@ -7,6 +7,7 @@
 #include <set>
 
 #include "check/check_parts.h"
+#include "scene/material_table.h"
 #include "scene/visibility.h"
 
 // What the file itself says: its extensions, images, vertices; and what the loader had to put right.
@@ -14,18 +15,14 @@ namespace candela::check {
 
 namespace {
 
-/// Extensions that Candela reads and others need not: drafts, vendors' own, and what Khronos has archived.
-struct Doubtful {
-  std::string_view name;
-  std::string_view why;
-};
-constexpr auto kDoubtful = std::to_array<Doubtful>({
+/// Extensions that Candela reads and others need not: drafts, vendors' own, and what Khronos has archived. The table of
+/// materials has more.
+constexpr auto kDoubtful = std::to_array<UnratifiedExtension>({
     {"EXT_camera_physical", "a proposal"},
     {"EXT_lights_area", "a draft"},
     {"EXT_lights_ies", "a multi-vendor extension that few viewers read"},
     {"EXT_lights_image_based", "a multi-vendor extension that few viewers read"},
     {"EXT_texture_astc", "a draft"},
-    {"KHR_materials_diffuse_transmission", "a release candidate, not ratified"},
     {"KHR_materials_pbrSpecularGlossiness", "archived; viewers drop it, and show metallic-roughness instead"},
     {"KHR_materials_scatter", "a draft"},
     {"KHR_materials_volume_scatter", "a draft, which KHR_materials_scatter is to replace"},
@@ -54,11 +51,13 @@ void judge_extensions(const CheckInput& input, std::vector<Finding>& findings) {
     findings.push_back(
         plain(Severity::warning, "extension-ignored", name, "Candela does not support it and shows the asset without"));
   }
-  for (const Doubtful& entry : kDoubtful) {
-    if (!contains(input.extensions_used, entry.name)) continue;
+  const auto judge = [&](const UnratifiedExtension& entry) {
+    if (!contains(input.extensions_used, entry.name)) return;
     findings.push_back(plain(Severity::note, "extension-uncommon", std::string(entry.name),
                              fmt::format("Candela reads it, other viewers may not: {}", entry.why)));
-  }
+  };
+  for (const UnratifiedExtension& entry : kDoubtful) judge(entry);
+  for (const UnratifiedExtension& entry : kUnratifiedExtensions) judge(entry);
 }
 
 bool wants_tangents(const Material& m) {

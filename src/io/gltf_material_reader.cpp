@@ -190,7 +190,11 @@ void MaterialReader::read_table() {
       if (row.source.place == place) material_.*row.slot = slot(*object, row.source.key);
     }
     for (const MaterialProperty& row : kMaterialProperties) {
-      if (row.source.place == place) read(row, *object, row.source.key);
+      if (row.source.place != place) continue;
+      for (int i = 0; row.source.implied && i < row.member.size(); ++i) {
+        row.member.at(material_, i) = *row.source.implied;
+      }
+      read(row, *object, row.source.key);
     }
   }
 }

@@ -24,8 +24,8 @@ struct TextureSlot {
 enum class AlphaMode { opaque, mask, blend };
 
 /// glTF 2.0 metallic-roughness with every ratified KHR_materials_* extension, the release candidate
-/// diffuse_transmission and the drafts volume_scatter and scatter. Factors are linear, in the range their extension
-/// gives; each is multiplied by its texture's channel named beside it.
+/// diffuse_transmission and the drafts diffuse_roughness, volume_scatter and scatter. Factors are linear, in the range
+/// their extension gives; each is multiplied by its texture's channel named beside it.
 struct Material {
   std::string name;
   vec3 base_color{1.0f};
@@ -58,6 +58,12 @@ struct Material {
   TextureSlot clearcoat_texture;            ///< R
   TextureSlot clearcoat_roughness_texture;  ///< G
   TextureSlot clearcoat_normal_texture;     ///< empty = the coat lies on the geometry's normal
+  // KHR_materials_clearcoat_ior, _color, _darkening (drafts)
+  float clearcoat_ior = 1.5f;               ///< 0 = it reflects all
+  vec3 clearcoat_color{1.0f};               ///< what it leaves of white light that crosses it twice at normal incidence
+  float clearcoat_darkening = 0.0f;         ///< how much counts of the light that its underside sends back down
+  TextureSlot clearcoat_color_texture;      ///< sRGB
+  TextureSlot clearcoat_darkening_texture;  ///< R
 
   // KHR_materials_sheen
   vec3 sheen_color{0.0f};
@@ -92,6 +98,10 @@ struct Material {
   vec3 diffuse_transmission_color{1.0f};
   TextureSlot diffuse_transmission_texture;        ///< A
   TextureSlot diffuse_transmission_color_texture;  ///< sRGB
+
+  // KHR_materials_diffuse_roughness (draft): 0 = Lambert's diffuse layer, 1 = facets that stand every way
+  float diffuse_roughness = 0.0f;
+  TextureSlot diffuse_roughness_texture;  ///< R
 
   // KHR_materials_volume_scatter, KHR_materials_scatter (drafts)
   vec3 multiscatter_color{0.0f};         ///< of a body times the strength of its scattering

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -29,7 +30,15 @@ struct JsonSource {
   int first = 0;           ///< of an array of more numbers than the property has, where they begin
   int count = 0;           ///< and how many it holds; 0 = as many as the property has
 
+  /// What stands there where the place is and the key is not; none: what a material has without the place.
+  std::optional<float> implied = {};
+
   constexpr bool is_special() const { return place == kSpecialPlace; }
+  constexpr JsonSource implying(float value) const {
+    JsonSource source = *this;
+    source.implied = value;
+    return source;
+  }
 };
 
 /// The extension that holds a place, the innermost; empty for the core of glTF.
@@ -38,6 +47,19 @@ constexpr std::string_view extension_of_place(std::string_view place) {
   const std::size_t at = place.rfind(kExtensions);
   return at == std::string_view::npos ? std::string_view() : place.substr(at + kExtensions.size());
 }
+
+/// Extensions of these places that other viewers need not read, and why.
+struct UnratifiedExtension {
+  std::string_view name;
+  std::string_view why;
+};
+inline constexpr auto kUnratifiedExtensions = std::to_array<UnratifiedExtension>({
+    {"KHR_materials_diffuse_transmission", "a release candidate, not ratified"},
+    {"KHR_materials_clearcoat_color", "a draft"},
+    {"KHR_materials_clearcoat_darkening", "a draft"},
+    {"KHR_materials_clearcoat_ior", "a draft"},
+    {"KHR_materials_diffuse_roughness", "a draft"},
+});
 
 // ----- textures
 
@@ -56,11 +78,16 @@ struct TextureRow {
 inline constexpr std::string_view kPbrPlace = "pbrMetallicRoughness";
 inline constexpr std::string_view kSpecularPlace = "extensions/KHR_materials_specular";
 inline constexpr std::string_view kClearcoatPlace = "extensions/KHR_materials_clearcoat";
+inline constexpr std::string_view kClearcoatColorPlace =
+    "extensions/KHR_materials_clearcoat/extensions/KHR_materials_clearcoat_color";
+inline constexpr std::string_view kClearcoatDarkeningPlace =
+    "extensions/KHR_materials_clearcoat/extensions/KHR_materials_clearcoat_darkening";
 inline constexpr std::string_view kSheenPlace = "extensions/KHR_materials_sheen";
 inline constexpr std::string_view kAnisotropyPlace = "extensions/KHR_materials_anisotropy";
 inline constexpr std::string_view kIridescencePlace = "extensions/KHR_materials_iridescence";
 inline constexpr std::string_view kTransmissionPlace = "extensions/KHR_materials_transmission";
 inline constexpr std::string_view kVolumePlace = "extensions/KHR_materials_volume";
+inline constexpr std::string_view kDiffuseRoughnessPlace = "extensions/KHR_materials_diffuse_roughness";
 inline constexpr std::string_view kDiffuseTransmissionPlace = "extensions/KHR_materials_diffuse_transmission";
 
 /// Every texture slot. The rasterizer leaves out the last ones first where a driver has too little room.
@@ -78,6 +105,11 @@ inline constexpr auto kTextureRows = [] {
       {"clearcoat", &M::clearcoat_texture, {kClearcoatPlace, "clearcoatTexture"}, data},
       {"clearcoat_roughness", &M::clearcoat_roughness_texture, {kClearcoatPlace, "clearcoatRoughnessTexture"}, data},
       {"clearcoat_normal", &M::clearcoat_normal_texture, {kClearcoatPlace, "clearcoatNormalTexture"}, normal},
+      {"clearcoat_color", &M::clearcoat_color_texture, {kClearcoatColorPlace, "clearcoatColorTexture"}, color},
+      {"clearcoat_darkening",
+       &M::clearcoat_darkening_texture,
+       {kClearcoatDarkeningPlace, "clearcoatDarkeningTexture"},
+       data},
       {"sheen_color", &M::sheen_color_texture, {kSheenPlace, "sheenColorTexture"}, color},
       {"sheen_roughness", &M::sheen_roughness_texture, {kSheenPlace, "sheenRoughnessTexture"}, alpha},
       {"anisotropy", &M::anisotropy_texture, {kAnisotropyPlace, "anisotropyTexture"}, data},
@@ -96,6 +128,7 @@ inline constexpr auto kTextureRows = [] {
        &M::diffuse_transmission_color_texture,
        {kDiffuseTransmissionPlace, "diffuseTransmissionColorTexture"},
        color},
+      {"diffuse_roughness", &M::diffuse_roughness_texture, {kDiffuseRoughnessPlace, "diffuseRoughnessTexture"}, data},
       {"scatter_strength", &M::scatter_strength_texture, {kSpecialPlace, "scatterStrengthTexture"}, alpha},
       {"multiscatter_color", &M::multiscatter_color_texture, {kSpecialPlace, "multiscatterColorTexture"}, color},
       {"specular_glossiness", &M::specular_glossiness_texture, {kSpecialPlace, "specularGlossinessTexture"}, color},
@@ -182,6 +215,7 @@ inline constexpr auto kLobes = std::to_array<LobeRow>({
     {shade::kLobeSheen, "sheen", "sheen"},
     {shade::kLobeTransmission, "transmission", "transmission"},
     {shade::kLobeDiffuseTransmission, "diffuse transmission", "diffuse_transmission"},
+    {shade::kLobeDiffuseRoughness, "diffuse roughness", "diffuse_roughness"},
 });
 
 /// The lobe that alone reads a property.
@@ -289,6 +323,17 @@ inline constexpr auto kMaterialProperties = [] {
           {&M::clearcoat_roughness_texture, green}, {kLobeClearcoat}, &P::clearcoat_roughness, "of the coat's facets"),
       Row("clearcoat_normal_scale", &M::clearcoat_normal_scale, {kClearcoatPlace, "clearcoatNormalTexture/scale"},
           kFinite, {&M::clearcoat_normal_texture}, {kLobeClearcoat}, kNoParam, "of the coat's normal map"),
+      Row("clearcoat_ior", &M::clearcoat_ior,
+          {"extensions/KHR_materials_clearcoat/extensions/KHR_materials_clearcoat_ior", "clearcoatIor"},
+          {1.0f, kLargestIor, true}, kNoTexture, {kLobeClearcoat}, &P::clearcoat_ior,
+          "of the coat; 0 = it reflects all"),
+      Row("clearcoat_color", &M::clearcoat_color, {kClearcoatColorPlace, "clearcoatColorFactor"}, kUnit,
+          {&M::clearcoat_color_texture, rgb}, {kLobeClearcoat}, &P::clearcoat_color,
+          "what the coat leaves of light that crosses it twice"),
+      Row("clearcoat_darkening", &M::clearcoat_darkening,
+          JsonSource{kClearcoatDarkeningPlace, "clearcoatDarkeningFactor"}.implying(1.0f), kUnit,
+          {&M::clearcoat_darkening_texture, red}, {kLobeClearcoat}, &P::clearcoat_darkening,
+          "how much counts of what the coat sends back down"),
 
       Row("sheen_color", &M::sheen_color, {kSheenPlace, "sheenColorFactor"}, kUnit, {&M::sheen_color_texture, rgb},
           {kLobeSheen, kSwitch}, &P::sheen_color, "of the fibres"),
@@ -336,6 +381,9 @@ inline constexpr auto kMaterialProperties = [] {
           {kDiffuseTransmissionPlace, "diffuseTransmissionColorFactor"}, kUnit,
           {&M::diffuse_transmission_color_texture, rgb}, {kLobeDiffuseTransmission}, &P::diffuse_transmission_color,
           "of that light"),
+      Row("diffuse_roughness", &M::diffuse_roughness, {kDiffuseRoughnessPlace, "diffuseRoughnessFactor"}, kUnit,
+          {&M::diffuse_roughness_texture, red}, {kLobeDiffuseRoughness, kSwitch}, &P::diffuse_roughness,
+          "of the diffuse layer's own facets"),
       Row("sheet_scatter", &M::sheet_scatter, kSpecial, kUnit, {&M::scatter_strength_texture, alpha},
           {kLobeDiffuseTransmission}, {&P::scatter, "scatter"}, "share of what a sheet transmits that is scattered"),
       Row("multiscatter_color", &M::multiscatter_color, kSpecial, kUnit, {&M::multiscatter_color_texture, rgb},

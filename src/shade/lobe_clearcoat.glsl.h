@@ -10,21 +10,66 @@ SHADE_BEGIN
 /// No coat; of one, the curve of its reflectance.
 SHADE_FN void coat_matter(bool has_index, SHADE_INOUT(Surface) s) {
   s.coat_curve = table_curve_at(has_index ? kTableCurveOfGlass : 0);
+  s.coat_index = has_index ? kCoatIndex : 0.0f;
+  s.coat_f0 = kCoatF0;
+  s.is_coat_clear = true;
+  s.coat_strength = 1.0f;
   s.coat = 0.0f;
   s.coat_normal = vec3(0.0f, 0.0f, 1.0f);
   s.coat_multiscatter = 0.0f;
 }
 
 SHADE_FN float coat_fresnel(SHADE_IN(Surface) s, float cos_theta) {
-  if (s.coat_curve.i > 0) return fresnel_dielectric(cos_theta, kCoatIndex);
-  return kCoatF0 + (1.0f - kCoatF0) * schlick_weight(cos_theta);
+  if (s.coat_index > 0.0f) return fresnel_dielectric(cos_theta, s.coat_index);
+  return s.coat_f0 + (1.0f - s.coat_f0) * schlick_weight(cos_theta);
 }
 
 SHADE_FN float coat_cosine(SHADE_IN(Surface) s, vec3 w) { return abs(dot(s.coat_normal, w)); }
 
 /// At a direction where its split-sum terms are `ab`, at weight 1.
 SHADE_FN float coat_albedo(SHADE_IN(Surface) s, vec2 ab) {
-  return kCoatF0 * ab.x + ab.y + s.coat_escape_share * (1.0f - ab.x - ab.y);
+  return s.coat_f0 * ab.x + ab.y + s.coat_escape_share * (1.0f - ab.x - ab.y);
+}
+
+/// KHR_materials_clearcoat_ior. 0 is a coat that reflects everything.
+SHADE_FN void coat_prepare_index(float ior, SHADE_INOUT(Surface) s) {
+  if (ior == kCoatIndex) return;
+  s.coat_f0 = ior == 0.0f ? 1.0f : f0_from_eta(ior);
+  if (s.coat_index <= 0.0f || ior == 0.0f) {
+    s.coat_index = 0.0f;
+    s.coat_curve = table_curve_schlick();
+  } else {
+    s.coat_index = min(ior, kTableMostIndex);
+    s.coat_curve = table_curve(s.coat_index);
+  }
+  // How far what the tables say of the lobe below counts: a fit to white furnaces, of indices 1 to 3 within 1 %.
+  float mean = s.coat_f0 + (1.0f - s.coat_f0) * table_rise(s.coat_curve);
+  float known = kCoatF0 + (1.0f - kCoatF0) * table_rise(table_curve_at(kTableCurveOfGlass));
+  float strength = mean / known;
+  s.coat_strength = strength < 1.0f ? pow(strength, 0.28f) : pow(strength, -0.15f);
+}
+
+/// KHR_materials_clearcoat_color: what is left of light that crosses the coat at a cosine to its normal, where it goes
+/// the longer a way the flatter it is bent.
+SHADE_FN vec3 coat_tint(SHADE_IN(Surface) s, float mu) {
+  float index = max(s.coat_index, 1.0f);
+  float cos_t = sqrt(max(1.0f - (1.0f - mu * mu) / (index * index), 1e-4f));
+  return pow(s.coat_color, vec3(0.5f / cos_t));
+}
+
+/// KHR_materials_clearcoat_darkening: light that comes up from below is sent back there by the coat's underside, again
+/// and again; every time what lies below keeps its share. (1 - K) / (1 - E K) of the series is left, where K is what
+/// the underside reflects and E the albedo below, as OpenPBR 1.1 has it ("Coat darkening"). K is taken at normal
+/// incidence for smooth matter, so that it is one number for both directions.
+SHADE_FN vec3 coat_darkened(SHADE_IN(SurfaceParams) p, SHADE_IN(Surface) s) {
+  float index = max(s.coat_index, 1.0f);
+  float f_mean = s.coat_f0 + (1.0f - s.coat_f0) * table_rise(s.coat_curve);
+  float diffuse = 1.0f - (1.0f - f_mean) / (index * index);
+  vec3 f0 = s.weight_dielectric * s.f0_dielectric + s.weight_metal * s.f0_metal;
+  vec3 albedo = min(f0 + s.diffuse * (1.0f - s.boundary_f0), vec3(1.0f));
+  float roughness = mix(mix(1.0f, s.roughness, s.boundary_f0), s.roughness, p.metallic);
+  float k = min(mix(s.coat_f0, diffuse, roughness), 0.999f);
+  return mix(vec3(1.0f), vec3(1.0f - k) / (vec3(1.0f) - albedo * k), p.clearcoat_darkening);
 }
 
 SHADE_FN void coat_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surface) s) {
@@ -34,14 +79,38 @@ SHADE_FN void coat_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surfa
   s.coat_normal = p.clearcoat_normal;
   s.coat = p.clearcoat;
   s.coat_row = table_ggx_roughness(s.coat_roughness);
+  coat_prepare_index(p.clearcoat_ior, s);
   vec2 mean = table_ggx_curve_mean(s.coat_row, s.coat_curve);
   float escape_mean = 1.0f - mean.x - mean.y;
-  float f_mean = kCoatF0 + (1.0f - kCoatF0) * table_walk_rise(s.coat_row, s.coat_curve);
+  float f_mean = s.coat_f0 + (1.0f - s.coat_f0) * table_walk_rise(s.coat_row, s.coat_curve);
   float share = s.model.multiscatter ? multiscatter_share(f_mean, table_walk(s.coat_row)) : 0.0f;
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
   vec2 ab = table_ggx_curve(coat_cosine(s, wo), s.coat_row, s.coat_curve);
   s.coat_escape_o = s.is_coat_mirror ? 0.0f : base_escape(ab);
+  s.is_coat_clear = p.clearcoat_color == vec3(1.0f) && p.clearcoat_darkening <= 0.0f;
+  if (s.is_coat_clear) return;
+  s.coat_color = max(p.clearcoat_color, vec3(1e-6f));
+  s.coat_tint_o = coat_tint(s, coat_cosine(s, wo));
+  s.coat_darkening = coat_darkened(p, s);
+}
+
+/// What colour and darkening leave of light between wo and a direction at this cosine to the coat's normal.
+SHADE_FN vec3 coat_filter(SHADE_IN(Surface) s, float mu) {
+  if (s.is_coat_clear) return vec3(1.0f);
+  return mix(vec3(1.0f), s.coat_darkening * s.coat_tint_o * coat_tint(s, mu), s.coat);
+}
+
+/// Of light that leaves at wo's own cosine: mirrored, or seen straight through.
+SHADE_FN vec3 coat_filter_mirrored(SHADE_IN(Surface) s) {
+  if (s.is_coat_clear) return vec3(1.0f);
+  return mix(vec3(1.0f), s.coat_darkening * s.coat_tint_o * s.coat_tint_o, s.coat);
+}
+
+/// And of light that comes from below.
+SHADE_FN vec3 coat_filter_out(SHADE_IN(Surface) s) {
+  if (s.is_coat_clear) return vec3(1.0f);
+  return mix(vec3(1.0f), s.coat_tint_o, s.coat);
 }
 
 /// At cosines to the coat's normal and to the base's, above a base of this roughness.
@@ -51,6 +120,12 @@ SHADE_FN LayerAt coat_at(SHADE_IN(Surface) s, float coat_mu, float mu, float rou
   at.albedo = coat_albedo(s, table_ggx_curve(coat_mu, s.coat_row, s.coat_curve));
   // How the base's lobe spreads is the base normal's matter; how much comes through, the coat's.
   at.over = table_coat_over(mu, roughness, s.coat_roughness, at.albedo);
+  if (s.coat_strength != 1.0f) {
+    float t = max(1.0f - at.albedo, 0.0f);
+    vec2 bare = table_ggx_curve(mu, table_ggx_roughness(roughness), table_curve_at(kTableCurveOfGlass));
+    vec3 other = table_coat_over(mu, roughness, s.coat_roughness, 0.0f);
+    at.over = max(mix(vec3(1.0f, bare.x, bare.y), other, s.coat_strength), vec3(0.0f)) * vec3(sqrt(t), t, t);
+  }
   return at;
 }
 

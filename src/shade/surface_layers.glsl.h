@@ -4,6 +4,7 @@
 #include "shade/lobe_anisotropy.glsl.h"
 #include "shade/lobe_clearcoat.glsl.h"
 #include "shade/lobe_conductor.glsl.h"
+#include "shade/lobe_diffuse_roughness.glsl.h"
 #include "shade/lobe_diffuse_transmission.glsl.h"
 #include "shade/lobe_iridescence.glsl.h"
 #include "shade/lobe_sheen.glsl.h"
@@ -32,6 +33,7 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   iridescence_matter(p, s);
   anisotropy_matter(p, s);
   conductor_matter(p, s);
+  rough_diffuse_matter(p, s);
   glass_matter(p, s);
   below_matter(p, s);
   iridescence_matter_on_top(p, s);
@@ -90,6 +92,7 @@ SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec
   if ((s.lobes & kLobeClearcoat) != 0) coat_prepare(p, wo, s);
   if ((s.lobes & kLobeSheen) != 0) sheen_prepare(p, s);
   glass_prepare(wo, s);
+  rough_diffuse_prepare(ab, mean, s);
 
   LayersAt at = layers_at(s, wo);
   s.coat_albedo_o = at.coat.albedo;
@@ -131,7 +134,12 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
   r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
   r.value = lost * over;
   if (s.weight_glass > 0.0f) r.value += vec3(glass_multireflected(s, wi, escape) * over);
-  r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, wi, cos_m, at, ab);
+  if (s.diffuse_roughness > 0.0f) {
+    r.value += lambert_f(s.diffuse) * rough_diffuse_gain(s, s.diffuse_color, wo, wi, ab) *
+               layers_diffuse_share(s, wo, wi, cos_m, at, ab);
+  } else {
+    r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, wi, cos_m, at, ab);
+  }
 
   // ----- facets
   if (!s.is_mirror) {
@@ -153,6 +161,7 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
     r.pdf += s.chance_sheen * kSheenPdf;
   }
   if (s.coat > 0.0f) {
+    r.value = r.value * coat_filter(s, coat_cosine(s, wi));
     SurfaceEval coat = coat_eval(s, wo, wi);
     r.value += coat.value;
     r.pdf += s.chance_coat * coat.pdf;
@@ -163,7 +172,11 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
 SHADE_APART SHADE_FN SurfaceEval layers_eval_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, LayersAt at) {
   vec2 ab = anisotropy_ggx(s, wi, s.curve);
   SurfaceEval r = below_eval(s, wi, at, ab);
+  if (s.diffuse_roughness > 0.0f) {
+    r.value = r.value * rough_diffuse_gain(s, s.diffuse_below_color, wo, vec3(wi.x, wi.y, -wi.z), ab);
+  }
   if (s.weight_glass > 0.0f && !s.is_glass_delta) glass_add_below(s, wo, wi, ab, layers_across(s, at), r);
+  r.value = r.value * coat_filter(s, coat_cosine(s, wi));
   return r;
 }
 
@@ -191,13 +204,18 @@ SHADE_APART SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, v
       r.is_delta = true;
       r.pdf = s.chance_specular;
       r.weight = terms_fresnel_opaque(s, wo.z) * (layers_over(s, layers_at(s, r.wi)) / r.pdf);
+      r.weight = r.weight * coat_filter(s, coat_cosine(s, r.wi));
       return r;
     }
     wi = microfacet_reflect(wo, terms_sample_visible(s, wo, u2));
     if (wi.z <= 0.0f) return r;
   } else if (u.z < at + s.chance_glass) {
     float u_side = (u.z - at) / s.chance_glass;
-    if (s.is_glass_delta) return glass_sample_delta(s, wo, u_side);
+    if (s.is_glass_delta) {
+      r = glass_sample_delta(s, wo, u_side);
+      r.weight = r.weight * coat_filter(s, coat_cosine(s, r.wi));
+      return r;
+    }
     wi = glass_direction(s, wo, u2, u_side);
   } else if (u.z < at + s.chance_glass + s.chance_coat) {
     if (s.is_coat_mirror) return coat_sample_delta(s, wo);
@@ -221,21 +239,27 @@ SHADE_APART SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, v
 }
 
 /// What passes straight through a smooth sheet.
-SHADE_APART SHADE_FN vec3 layers_straight(SHADE_IN(Surface) s, vec3 wo) { return glass_straight(s, wo); }
+SHADE_APART SHADE_FN vec3 layers_straight(SHADE_IN(Surface) s, vec3 wo) {
+  return glass_straight(s, wo) * coat_filter_mirrored(s);
+}
 
 /// What is left of emission on its way out through the layers above the base.
 SHADE_FN vec3 layers_emission_scale(SHADE_IN(Surface) s) {
-  return vec3((1.0f - s.coat * s.coat_albedo_o) * (1.0f - s.sheen_weight * s.sheen_albedo_o));
+  return coat_filter_out(s) * ((1.0f - s.coat * s.coat_albedo_o) * (1.0f - s.sheen_weight * s.sheen_albedo_o));
 }
 
 /// Estimated albedo of everything; `specular` that of the base's facets.
 SHADE_APART SHADE_FN vec3 layers_albedo(SHADE_IN(Surface) s, vec3 specular) {
   float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
-  return (s.diffuse + s.diffuse_below) * s.film_below_o * s.transmission_o +
-         (specular + s.glass_tint * s.weight_glass) * through + sheen_share(s) + coat_share(s);
+  vec3 below = (s.diffuse + s.diffuse_below) * s.film_below_o * s.transmission_o +
+               (specular + s.glass_tint * s.weight_glass) * through + sheen_share(s);
+  return below * coat_filter_mirrored(s) + coat_share(s);
 }
 
 // ----- light that is the same from everywhere
+
+/// The mean cosine of what a diffuse surface gets.
+SHADE_CONST float kMeanCosine = 2.0f / 3.0f;
 
 SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
   float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
@@ -244,8 +268,8 @@ SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOU
   // The tables know a film at normal incidence; here it has the colour of this angle.
   if (s.iridescence > 0.0f) specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - s.single_albedo_o;
   r.specular = specular * over;
-  r.diffuse = s.diffuse * s.film_below_o * s.transmission_o;
-  r.below = below_share(s);
+  r.diffuse = s.diffuse * s.film_below_o * s.transmission_o * rough_diffuse_albedo(s, s.diffuse_color, wo.z);
+  r.below = below_share(s) * rough_diffuse_albedo(s, s.diffuse_below_color, wo.z);
   r.sheen = sheen_share(s) * (1.0f - s.coat * s.coat_albedo_o);
   r.coat = coat_share(s);
 #ifndef SHADE_DEFAULT_MODEL
@@ -256,6 +280,15 @@ SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOU
   }
 #endif
   glass_shares(s, wo, ab, over, r);
+  // Mirrored light crosses the coat as what is seen does, diffuse light at some mean.
+  vec3 mirrored = coat_filter_mirrored(s);
+  vec3 spread = coat_filter(s, kMeanCosine);
+  r.specular = r.specular * mirrored;
+  r.glass = r.glass * mirrored;
+  r.through = r.through * mirrored;
+  r.diffuse = r.diffuse * spread;
+  r.below = r.below * spread;
+  r.sheen = r.sheen * spread;
 }
 
 SHADE_END

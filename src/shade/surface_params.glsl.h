@@ -17,6 +17,7 @@ SHADE_CONST int kLobeTransmission = 16;
 SHADE_CONST int kLobeDiffuseTransmission = 32;
 SHADE_CONST int kLobeSheen = 64;
 SHADE_CONST int kLobeClearcoat = 128;
+SHADE_CONST int kLobeDiffuseRoughness = 256;
 
 /// What textures and factors say at one point, before any physics. Linear Rec.709.
 struct SurfaceParams {
@@ -53,7 +54,12 @@ struct SurfaceParams {
 
   float clearcoat;
   float clearcoat_roughness;
-  vec3 clearcoat_normal;  ///< local
+  vec3 clearcoat_normal;      ///< local
+  float clearcoat_ior;        ///< 0: it reflects all
+  vec3 clearcoat_color;       ///< what it leaves of white light that crosses it twice at normal incidence
+  float clearcoat_darkening;  ///< how much counts of the light that its underside sends back down
+
+  float diffuse_roughness;
 };
 
 /// The closure: what eval, sample and pdf need, computed once per hit for one viewing direction.
@@ -143,6 +149,19 @@ struct Surface {
   float coat_escape_o;
   float coat_albedo_o;
   float coat_over_o;  ///< how it dims the specular lobe at wo
+  float coat_f0;
+  float coat_index;     ///< 0 where its reflectance rises by Schlick's curve
+  float coat_strength;  ///< how far the tables of what lies below it count
+  bool is_coat_clear;   ///< neither coloured nor darkening
+  vec3 coat_color;
+  vec3 coat_darkening;  ///< factor of all that lies below it
+  vec3 coat_tint_o;     ///< left of light on its way through it to wo
+
+  float diffuse_roughness;
+  vec3 diffuse_color;  ///< of that layer, whatever its weight
+  vec3 diffuse_below_color;
+  float diffuse_balance_mean;  ///< mean transmission of the boundary
+  float diffuse_balance_o;     ///< see rough_diffuse_balance
 
   float chance_glass;
   float chance_diffuse_below;  ///< cosine-weighted, other side
@@ -217,6 +236,10 @@ SHADE_FN SurfaceParams surface_params_default() {
   p.clearcoat = 0.0f;
   p.clearcoat_roughness = 0.0f;
   p.clearcoat_normal = vec3(0.0f, 0.0f, 1.0f);
+  p.clearcoat_ior = kCoatIndex;
+  p.clearcoat_color = vec3(1.0f);
+  p.clearcoat_darkening = 0.0f;
+  p.diffuse_roughness = 0.0f;
   return p;
 }
 

@@ -89,7 +89,7 @@ Domain often_up(const Domain& rest) {
 }
 
 /// A set of lobes: each bit of kLobe… by chance, those of `always` always.
-Domain lobes(int always = 0, int possible = 2 * shade::kLobeClearcoat - 1) {
+Domain lobes(int always = 0, int possible = 2 * shade::kLobeDiffuseRoughness - 1) {
   return [=](Pcg32& random, float* x, int) {
     // Every sixteenth has none, as most materials.
     const bool none = random.next_float() < 1.0f / 16.0f;
@@ -126,6 +126,8 @@ const std::vector<Row>& rows() {
       {"glass_*:s/*p.lobes", lobes(shade::kLobeTransmission)},
       {"below_*:s/*p.lobes", lobes(shade::kLobeDiffuseTransmission)},
       {"below_*:at/*p.lobes", lobes(shade::kLobeClearcoat)},
+      {"rough_diffuse_*:s/*p.lobes", lobes(shade::kLobeDiffuseRoughness)},
+      {"rough_diffuse_*:s/*p.diffuse_roughness", uniform(0.1f, 1.0f)},
       {"anisotropy_*:s/*p.lobes", lobes(shade::kLobeModel)},
       {"iridescence_*:s/*p.lobes", lobes(shade::kLobeIridescence)},
       {"iridescence_*:s/*p.iridescence", uniform(0.1f, 1.0f)},
@@ -229,6 +231,9 @@ const std::vector<Row>& rows() {
       {"SurfaceParams.conductor_k", uniform(0.1f, 8.0f)},
       {"SurfaceParams.anisotropy", often(0.0f, uniform(0.0f, 1.0f))},
       {"SurfaceParams.transmission", often(1.0f, uniform(0.0f, 1.0f))},
+      {"SurfaceParams.clearcoat_ior", often(1.5f, uniform(1.0f, 2.5f))},
+      {"SurfaceParams.clearcoat_color", often(1.0f, uniform(0.1f, 1.0f))},
+      {"SurfaceParams.clearcoat_darkening", often(0.0f, uniform(0.0f, 1.0f))},
       {"SurfaceParams.eta", magnitude(0.4f, 2.5f)},
       {"SurfaceParams.clearcoat_normal", often_up(direction(0.3f, 1.0f))},
 

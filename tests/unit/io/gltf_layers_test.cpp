@@ -44,6 +44,7 @@ const NumberCase kNumbers[] = {
     {"KHR_materials_volume", "attenuationDistance", &Material::attenuation_distance, kUnlimited, 1e-9f, kUnlimited},
     {"KHR_materials_dispersion", "dispersion", &Material::dispersion, 0, 0, 1e3f},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", &Material::diffuse_transmission, 0, 0, 1},
+    {"KHR_materials_diffuse_roughness", "diffuseRoughnessFactor", &Material::diffuse_roughness, 0, 0, 1},
     {"KHR_materials_volume_scatter", "scatterAnisotropy", &Material::scatter_anisotropy, 0, -0.999f, 0.999f},
     {"KHR_materials_scatter", "scatterAnisotropy", &Material::scatter_anisotropy, 0, -0.999f, 0.999f},
 };
@@ -90,6 +91,7 @@ const SlotCase kSlots[] = {
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", &Material::diffuse_transmission_texture},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture",
      &Material::diffuse_transmission_color_texture},
+    {"KHR_materials_diffuse_roughness", "diffuseRoughnessTexture", &Material::diffuse_roughness_texture},
     {"KHR_materials_volume_scatter", "multiscatterColorTexture", &Material::multiscatter_color_texture},
 };
 
@@ -188,6 +190,20 @@ TEST(unit_io_gltf_layers, the_coats_normal_has_a_scale) {
   const Material m = load(b).scene.materials.at(0);
   EXPECT_EQ(m.clearcoat_normal_scale, -3);
   EXPECT_EQ(m.normal_scale, 1);
+}
+
+TEST(unit_io_gltf_layers, what_drafts_add_to_the_coat_stands_within_it) {
+  const auto coat = [](const char* name, const json& members) {
+    return material_of("KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"extensions", {{name, members}}}});
+  };
+  EXPECT_EQ(coat("KHR_materials_clearcoat_ior", {{"clearcoatIor", 1.8}}).clearcoat_ior, 1.8f);
+  EXPECT_EQ(coat("KHR_materials_clearcoat_ior", json::object()).clearcoat_ior, 1.5f);
+  EXPECT_EQ(coat("KHR_materials_clearcoat_color", {{"clearcoatColorFactor", {0.5, 0.25, 1}}}).clearcoat_color,
+            vec3(0.5f, 0.25f, 1.0f));
+  EXPECT_EQ(coat("KHR_materials_clearcoat_darkening", {{"clearcoatDarkeningFactor", 0.25}}).clearcoat_darkening, 0.25f);
+  // The ratified coat does not darken; one that names the draft does, unless it says by how much.
+  EXPECT_EQ(coat("KHR_materials_clearcoat_darkening", json::object()).clearcoat_darkening, 1.0f);
+  EXPECT_EQ(material_of("KHR_materials_clearcoat", json::object()).clearcoat_darkening, 0.0f);
 }
 
 TEST(unit_io_gltf_layers, refraction_may_be_switched_off_by_an_index_of_zero) {
