@@ -13,6 +13,7 @@ run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_CXX_C
   -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/render_gltf demo:spheres ${WORK}/spheres.png)
+run(${CMAKE_COMMAND} -E chdir ${WORK} ${WORK}/build/product_shot demo:spheres)
 run(${WORK}/prefix/bin/candela --version)
 if(NOT EXISTS ${WORK}/spheres.png)
   message(FATAL_ERROR "no picture")

@@ -35,8 +35,8 @@ FOLDERS = {
              "scene image math base shade"),
     "check": ("the judgement of assets", "path ibl scene image math base shade"),
     "figures": ("the figures of the field and their pages", "laws raster path ibl content scene image math base shade"),
-    "candela": ("the front door of the library: `load`, `render`, `default_view`",
-                "raster path io content scene image math base"),
+    "candela": ("the front door of the library: `load`, `render`, `default_view`; recipes: shots, light to bake, verdicts",
+                "check raster path ibl io content scene image math base shade"),
 }
 ALLOWED = {folder: set(below.split()) for folder, (_, below) in FOLDERS.items()}
 

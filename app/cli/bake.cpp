@@ -1,19 +1,17 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string_view>
 
-#include "base/diagnostics.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "candela/candela.h"
+#include "base/stopwatch.h"
+#include "candela/light.h"
 #include "cli/bake_output.h"
 #include "cli/interrupt.h"
 #include "cli/option.h"
@@ -22,13 +20,8 @@
 #include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
-#include "content/make_environment.h"
-#include "ibl/cube.h"
 #include "image/cube_file.h"
 #include "image/cube_metrics.h"
-#include "image/image_file.h"
-#include "path/capture.h"
-#include "scene/environment.h"
 
 namespace candela::cli {
 
@@ -37,26 +30,18 @@ namespace fs = std::filesystem;
 namespace {
 
 struct BakeOptions {
-  std::string environment;
+  LightChoice light;
   std::string output;
   std::string report;
-  std::string scene;
-  std::string root;
-  std::string scene_choice;
-  foreign::Measures measures;
   const ibl::Profile* profile = nullptr;
-  std::optional<vec3> at;
-  std::optional<CubeAxes> axes;
+  std::optional<vec3> at;             ///< a point of the scene
   std::vector<std::string> compared;  ///< the two of --diff
   BakeFormat format;
   ibl::BakeSettings bake;
-  int spp = 64;
   bool has_size = false;
   bool has_levels = false;
   bool has_mapping = false;
   bool has_format = false;
-  float rotation = 0.0f;
-  float intensity = 1.0f;
   bool tables = false;
   int table_size = 128;
   bool extract_sun = false;
@@ -174,7 +159,7 @@ void add_files(CLI::App* verb, BakeOptions& o) {
             "exr, hdr (six faces a level), panorama, rgbm, gltf (EXT_lights_image_based), ktx2, ktx2-rgba32f, "
             "ktx2-rgb9e5, ktx1, ktx1-rgba16f, dds, dds-rgba32f [exr]")
       ->group(group);
-  add_value(verb, "--axes", "AXES", o.axes, parse_axes_option,
+  add_value(verb, "--axes", "AXES", o.light.axes, parse_axes_option,
             "By which a cube map that is read is looked up, in terms of the world's: -x+y+z is as seen from inside")
       ->group(group);
   verb->add_option("--diff", o.compared, "Compare two baked cube maps, level by level, and bake nothing")
@@ -186,14 +171,14 @@ void add_files(CLI::App* verb, BakeOptions& o) {
 void add_scene(CLI::App* verb, BakeOptions& o) {
   constexpr int kMostSpp = 1 << 20;
   add_value(
-      verb, "--from-scene", "SCENE", o.scene, [](const std::string& text) { return text; },
+      verb, "--from-scene", "SCENE", o.light.scene, [](const std::string& text) { return text; },
       "Bake what a point of a scene sees, path traced; ENV lights the scene [its own image-based light, else studio]")
       ->group("Light");
-  add_root(verb, o.root)->group("Light");
-  add_scene_choice(verb, o.scene_choice)->group("Light");
-  add_measures(verb, o.measures, "Light");
+  add_root(verb, o.light.load.root)->group("Light");
+  add_scene_choice(verb, o.light.load.scene)->group("Light");
+  add_measures(verb, o.light.load.measures, "Light");
   add_value(verb, "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres")->group("Light");
-  add_value(verb, "--spp", "N", o.spp, count_within(1, kMostSpp), "Samples per texel of what it sees [64]")
+  add_value(verb, "--spp", "N", o.light.samples, count_within(1, kMostSpp), "Samples per texel of what it sees [64]")
       ->group("Light");
 }
 
@@ -203,12 +188,12 @@ void add_rest(CLI::App* verb, BakeOptions& o) {
   constexpr int kMostTable = 1024;
   constexpr int kMostThreads = 1024;
   add_value(
-      verb, "--env-rotation", "DEG", o.rotation,
+      verb, "--env-rotation", "DEG", o.light.rotation,
       [](const std::string& text) { return candela::radians(parse_number(text, -36000.0f, 36000.0f)); },
       "Turns the environment about +y [0]")
       ->group("Light");
   add_value(
-      verb, "--env-intensity", "X", o.intensity,
+      verb, "--env-intensity", "X", o.light.intensity,
       [](const std::string& text) { return parse_number(text, 0.0f, kMostIntensity); },
       "Multiplies the environment [1]")
       ->group("Light");
@@ -234,101 +219,6 @@ void add_rest(CLI::App* verb, BakeOptions& o) {
   verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group("Running");
 }
 
-/// A panorama of a file.
-Environment make_panorama(Image image, const std::string& path, std::vector<Diagnostic>& warnings) {
-  check_panorama(image, path);
-  const ImageFormat format = sniff_image_format(read_head(parse_image_name(path).path, kSniffedBytes));
-  if (is_display_format(format)) {
-    warnings.push_back(
-        {"8 or 16 bits per channel end at white: what is brighter, the sun above all, is missing", path});
-  }
-  Environment environment;
-  environment.name = path;
-  environment.map = std::make_shared<Image>(std::move(image));
-  return environment;
-}
-
-CubeFaces make_faces(Cubemap cube, const BakeOptions& o) {
-  CubeFaces faces = std::move(cube.levels.at(0));
-  for (Image& face : faces)
-    for (float& v : face.pixels) v *= o.intensity;
-  return faces;
-}
-
-/// As --env-rotation and --env-intensity say.
-Environment adjusted(Environment environment, const BakeOptions& o) {
-  environment.rotation += o.rotation;
-  environment.intensity *= o.intensity;
-  return environment;
-}
-
-CubeFaces capture(const BakeOptions& o, ProgressLine& progress, std::vector<Diagnostic>& warnings) {
-  Diagnostics diagnostics;
-  const Scene scene =
-      load(o.scene, &diagnostics, LoadOptions{.root = o.root, .scene = o.scene_choice, .measures = o.measures});
-  const Environment environment =
-      adjusted(o.environment.empty() && scene.image_light
-                   ? scene.image_light->environment
-                   : make_environment(o.environment.empty() ? "studio" : o.environment, &diagnostics),
-               o);
-  warnings.insert(warnings.end(), diagnostics.warnings().begin(), diagnostics.warnings().end());
-  path::Settings settings;
-  settings.samples = o.spp;
-  path::Callbacks callbacks;
-  callbacks.progress = [&](const path::Progress& p) { progress.update(p); };
-  callbacks.stop = &Interrupt::requested();
-  path::Statistics statistics;
-  const Cubemap seen =
-      path::capture_environment(scene, environment, *o.at, o.bake.size, settings, &statistics, callbacks);
-  if (statistics.interrupted) throw Interrupted("while the scene was captured");
-  return seen.levels.at(0);
-}
-
-/// What is baked, and the cube that it came as where it did.
-struct Light {
-  ibl::Source source;
-  std::optional<CubeFaces> faces;
-  bool is_panorama = false;  ///< the source is a file's own panorama
-};
-
-Light load_light(const BakeOptions& o, ProgressLine& progress, std::vector<Diagnostic>& warnings) {
-  Light light;
-  if (!o.scene.empty()) {
-    light.faces = capture(o, progress, warnings);
-    light.source = ibl::make_source(*light.faces);
-    return light;
-  }
-  const bool is_built_in = is_built_in_environment(o.environment);
-  EnvironmentFile file;
-  if (!is_built_in) file = read_clean_environment(o.environment, o.axes);
-  warnings.insert(warnings.end(), file.warnings.begin(), file.warnings.end());
-  if (!file.cube.empty()) {
-    light.faces = make_faces(std::move(file.cube), o);
-    light.source = ibl::make_source(*light.faces);
-    light.source.rotation += static_cast<double>(o.rotation);
-    if (o.rotation != 0.0f) light.faces.reset();
-    return light;
-  }
-  if (o.axes) throw UsageError("--axes: " + o.environment + " is no cube map");
-  const Environment environment = adjusted(
-      is_built_in ? make_environment(o.environment) : make_panorama(std::move(file.panorama), o.environment, warnings),
-      o);
-  light.source = ibl::make_source(environment);
-  light.is_panorama = environment.map != nullptr && environment.rotation == 0.0f && environment.suns.empty();
-  return light;
-}
-
-/// A mirror shows a cube's own texels where the sizes allow, not what a panorama between made of them.
-void keep_texels(const CubeFaces& faces, ibl::Bake& bake) {
-  if (bake.levels.at(0).roughness != 0.0) return;
-  int size = faces[0].width;
-  if (size % bake.specular.size() != 0 || (size & (size - 1)) != 0) return;
-  const Cubemap halved = ibl::cube_mips(faces);
-  std::size_t level = 0;
-  for (; size > bake.specular.size(); size /= 2) ++level;
-  bake.specular.levels[0] = halved.levels.at(level);
-}
-
 /// What the baker holds at once: the panorama, its sums and its harmonics, and directions and values of the faces.
 void check_memory(const BakeOptions& o, const ibl::Source& source) {
   constexpr std::uint64_t kPerTexel = 96, kPerFaceTexel = 160, kAlways = std::uint64_t{1} << 28;
@@ -338,15 +228,18 @@ void check_memory(const BakeOptions& o, const ibl::Source& source) {
                  fmt::format("a bake of {0}x{0} texels", o.bake.size), "--size");
 }
 
-bool has_light(const BakeOptions& o) { return !o.environment.empty() || !o.scene.empty(); }
+bool has_light(const BakeOptions& o) { return !o.light.environment.empty() || !o.light.scene.empty(); }
 
 void check_usage(const BakeOptions& o) {
   if (!has_light(o) && !o.tables) throw UsageError("what to bake is missing: an environment, a scene, or --tables");
   if (o.output.empty()) throw UsageError("where to is missing: -o DIR");
   if (!has_light(o) && !o.report.empty()) throw UsageError("--report: there is no environment to report on");
   if (!has_light(o) && o.extract_sun) throw UsageError("--extract-sun: there is no environment");
-  if (!o.scene.empty() && !o.at) throw UsageError("--from-scene: from where is missing: --at X,Y,Z");
-  if (o.scene.empty() && o.at) throw UsageError("--at: there is no scene, see --from-scene");
+  if (!o.light.scene.empty() && !o.at) throw UsageError("--from-scene: from where is missing: --at X,Y,Z");
+  if (o.light.axes && o.light.scene.empty() && is_built_in_environment(o.light.environment)) {
+    throw UsageError("--axes: " + o.light.environment + " is no cube map");
+  }
+  if (o.light.scene.empty() && o.at) throw UsageError("--at: there is no scene, see --from-scene");
   if (o.profile != nullptr && (o.has_mapping || o.has_format)) {
     throw UsageError("--profile: " + std::string(o.profile->name) + " has its own --mapping and --format");
   }
@@ -389,8 +282,8 @@ void check_combinations(const CLI::App& verb, const BakeOptions& o) {
     refuse({"--samples"}, "only for --method fis or montecarlo and --irradiance riemann or montecarlo");
   }
   if (!o.tables) refuse({"--table-size"}, "only with --tables");
-  if (o.scene.empty()) refuse({"--spp", "--root", "--scene", "--unit", "--up"}, "only with --from-scene");
-  if (!o.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
+  if (o.light.scene.empty()) refuse({"--spp", "--root", "--scene", "--unit", "--up"}, "only with --from-scene");
+  if (!o.light.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
   if (o.format.kind == BakeFormat::Kind::gltf) refuse({"--sheen"}, "--format gltf has no levels of the sheen lobe");
   if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");
 }
@@ -406,10 +299,10 @@ void check_paths(const BakeOptions& o) {
 /// The files that it is made of.
 Inputs inputs_of(const BakeOptions& o) {
   Inputs inputs;
-  inputs.add_environment(o.environment);
-  if (!o.scene.empty()) {
-    inputs.add(o.scene, "the scene " + o.scene);
-    add_scene_files({o.scene}, o.root, inputs);
+  inputs.add_environment(o.light.environment);
+  if (!o.light.scene.empty()) {
+    inputs.add(o.light.scene, "the scene " + o.light.scene);
+    add_scene_files({o.light.scene}, o.light.load.root, inputs);
   }
   return inputs;
 }
@@ -435,58 +328,45 @@ void follow_gltf(BakeOptions& o) {
   if (o.bake.sh_order < 2) throw UsageError("--sh-order: --format gltf needs degree 2");
 }
 
-double since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-void check_bound(const ibl::Bake& bake, double error) {
-  const auto look = [&](const std::string& name, const ibl::Level& level) {
-    if (level.holds) return;
-    throw Error(fmt::format("{} errs by {:.2g} %, which {} refinements did not bring below {:.2g} %", name,
-                            100.0 * level.proof.at_texels.max, level.refinements, 100.0 * error),
-                "--error");
-  };
-  for (const ibl::Level& level : bake.levels) look(fmt::format("roughness {:.4g}", level.roughness), level);
-  for (const ibl::Level& level : bake.sheen_levels) look(fmt::format("sheen {:.4g}", level.roughness), level);
-  look("irradiance", bake.irradiance_level);
-}
-
 void run_diff(const BakeOptions& o) {
   const std::string& a = o.compared[0];
   const std::string& b = o.compared[1];
-  const std::vector<CubeLevelDifference> levels = diff_cubemaps(read_cubemap(a, o.axes), read_cubemap(b, o.axes));
+  const std::vector<CubeLevelDifference> levels =
+      diff_cubemaps(read_cubemap(a, o.light.axes), read_cubemap(b, o.light.axes));
   print(o.json ? diff_json(levels) : diff_text(levels));
 }
 
 /// All of the work, up to whole files in their place. Throws Interrupted before any is.
 void make_bake(BakeOptions& o, const Inputs& inputs, ProgressLine& progress, BakeResult& result) {
-  const StopScope stop(&Interrupt::requested());
+  Job job = progress.job();
+  const StopScope stop(job.stop);
+  if (o.at) o.light.position = *o.at;
   o.bake.irradiance_samples = o.bake.specular.samples;
   o.bake.specular.fis_size = o.bake.size;
-  const std::string& from = o.scene.empty() ? o.environment : o.scene;
+  const std::string& from = o.light.scene.empty() ? o.light.environment : o.light.scene;
   result.name = !has_light(o) ? "tables" : is_built_in_environment(from) ? from : fs::path(from).filename().string();
   result.settings = o.bake;
   result.format = o.format;
   result.profile = o.profile;
   if (has_light(o)) {
-    progress.phase((o.scene.empty() ? "loading " : "capturing ") + from);
-    const Light light = load_light(o, progress, result.warnings);
-    const ibl::Source& source = light.source;
+    progress.phase((o.light.scene.empty() ? "loading " : "capturing ") + from);
+    Diagnostics diagnostics;
+    job.diagnostics = &diagnostics;
+    const LoadedLight light = load_light(o.light, o.bake.size, job);
+    result.warnings = diagnostics.warnings();
     for (const Diagnostic& warning : result.warnings) progress.warn(warning);
-    check_memory(o, source);
-    const auto start = std::chrono::steady_clock::now();
-    result.bake = ibl::bake(source, o.bake, [&](const ibl::BakeProgress& p) { progress.update(p.fraction, p.what); });
-    result.bake_s = since(start);
-    if (light.faces) keep_texels(*light.faces, *result.bake);
-    if (light.is_panorama) result.panorama = source.map;
-    check_bound(*result.bake, o.bake.error);
-    if (o.extract_sun) result.suns = ibl::extract_suns(source);
+    check_memory(o, light.source);
+    const Stopwatch watch;
+    result.bake = bake_light(light, o.bake, job);
+    result.bake_s = watch.seconds();
+    if (light.is_panorama) result.panorama = light.source.map;
+    if (o.extract_sun) result.suns = ibl::extract_suns(light.source);
   }
   if (o.tables) {
     progress.phase("tables");
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     result.tables = ibl::make_tables(o.table_size);
-    result.tables_s = since(start);
+    result.tables_s = watch.seconds();
   }
   progress.phase("writing");
   const std::size_t told = result.warnings.size();
@@ -521,7 +401,7 @@ void run_bake(BakeOptions& o) {
 Verb add_bake(CLI::App& app) {
   const auto options = std::make_shared<BakeOptions>();
   CLI::App* verb = app.add_subcommand("bake", "Image-based light for engines, with its error measured")->group("Verbs");
-  verb->add_option("ENV", options->environment,
+  verb->add_option("ENV", options->light.environment,
                    "An equirectangular .exr (:LAYER), .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a "
                    "folder of "
                    "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace")

@@ -1,29 +1,18 @@
-#include "check/check.h"
-
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <set>
 
-#include "base/diagnostics.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "candela/candela.h"
+#include "candela/verdict.h"
 #include "cli/interrupt.h"
 #include "cli/option.h"
-#include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
-#include "io/foreign_scene.h"
-#include "io/gltf.h"
-#include "io/gltf_survey.h"
-#include "io/scene_files.h"
 
 namespace candela::cli {
 
@@ -33,154 +22,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using check::Finding;
 using check::Severity;
-
-/// A finding, and the names of what it is about; empty where it is about no such thing.
-struct Told {
-  Finding finding;
-  std::string material, texture;
-};
-
-/// What was found in one file.
-struct Verdict {
-  std::string file;
-  std::optional<std::string> unreadable;  ///< why it cannot be judged
-  std::vector<Told> findings;
-  std::size_t material_count = 0;
-  std::size_t triangle_count = 0;
-
-  std::size_t count(Severity severity) const {
-    return static_cast<std::size_t>(std::count_if(
-        findings.begin(), findings.end(), [severity](const Told& told) { return told.finding.severity == severity; }));
-  }
-};
-
-std::size_t triangles_of(const Scene& scene) {
-  std::size_t count = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    for (const Primitive& primitive : mesh.primitives) count += primitive.triangles.size();
-  }
-  return count;
-}
-
-std::vector<Told> told(const Scene& scene, const FileSurvey* survey, std::vector<Finding> findings) {
-  std::vector<Told> result;
-  result.reserve(findings.size());
-  for (Finding& f : findings) {
-    std::string material = f.material < 0 ? "" : check::material_label(scene, f.material);
-    std::string texture = f.texture < 0 ? "" : check::texture_label(scene, f.texture, survey);
-    // From here on people read it: their numbers are the file's.
-    if (f.material >= 0) f.material = number_of(scene.materials, static_cast<std::size_t>(f.material));
-    if (f.texture >= 0) f.texture = number_of(scene.textures, static_cast<std::size_t>(f.texture));
-    result.push_back({std::move(f), std::move(material), std::move(texture)});
-  }
-  return result;
-}
-
-Verdict verdict_of(const std::string& name, const check::CheckInput& input) {
-  return {name, std::nullopt, told(input.scene, input.survey, check::check_asset(input)), input.scene.materials.size(),
-          triangles_of(input.scene)};
-}
-
-/// What keeps a file from being judged: its images, each that fails, or else what the loader says.
-std::vector<Told> causes(const std::string& name, const LoadOptions& options, const Error& error) {
-  std::vector<Told> result;
-  try {
-    const FileSurvey survey = io::survey_gltf(name, {.read_geometry = false,
-                                                     .decode_images = true,
-                                                     .root = options.root,
-                                                     .scene = options.scene,
-                                                     .measures = options.measures});
-    for (Finding& f : check::check_images(survey)) result.push_back({std::move(f), {}, {}});
-  } catch (const Error&) {
-    // The file itself is damaged, as `error` says.
-  }
-  if (result.empty()) {
-    Finding f;
-    f.severity = Severity::error;
-    f.code = "unreadable";
-    f.message = error.what();
-    result.push_back({std::move(f), {}, {}});
-  }
-  return result;
-}
-
-/// What a variant's materials add to the findings of those that primitives name themselves.
-void add_variant(const std::string& name, LoadOptions options, const std::string& variant, Verdict& verdict) {
-  Diagnostics diagnostics;
-  options.variant = variant;
-  const Scene scene = io::load_gltf(name, diagnostics, options);
-  const auto key = [](const Told& t) { return t.finding.code + '\n' + t.material + '\n' + t.finding.message; };
-  std::set<std::string> known;
-  for (const Told& t : verdict.findings) known.insert(key(t));
-  for (Told& own : told(scene, nullptr, check::check_asset({.scene = scene}))) {
-    if (known.contains(key(own))) continue;
-    own.finding.subject += (own.finding.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
-    verdict.findings.push_back(std::move(own));
-  }
-}
-
-Verdict judge_file(const std::string& name, const LoadOptions& options) {
-  try {
-    Diagnostics diagnostics;
-    io::FileInfo info;
-    const Scene scene = io::load_gltf(name, diagnostics, options, &info);
-    // Of an image that did not decode the survey says so, too.
-    const bool has_lost_images =
-        std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
-                    [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
-    const FileSurvey survey = io::survey_gltf(
-        name,
-        {.decode_images = has_lost_images, .root = options.root, .scene = options.scene, .measures = options.measures});
-    Verdict verdict = verdict_of(name, {.scene = scene,
-                                        .survey = &survey,
-                                        .extensions_used = info.extensions_used,
-                                        .extensions_ignored = info.extensions_ignored,
-                                        .extensions_missing = info.extensions_missing,
-                                        .warnings = diagnostics.warnings(),
-                                        .notes = diagnostics.notes()});
-    for (const std::string& variant : info.variants) add_variant(name, options, variant, verdict);
-    std::stable_sort(verdict.findings.begin(), verdict.findings.end(),
-                     [](const Told& a, const Told& b) { return a.finding.severity > b.finding.severity; });
-    return verdict;
-  } catch (const Error& error) {
-    return {name, error.what(), causes(name, options, error)};
-  }
-}
-
-Verdict judge(const std::string& name, const LoadOptions& options) {
-  if (!name.starts_with("demo:")) return judge_file(name, options);
-  const Scene scene = load(name, nullptr, options);
-  return verdict_of(name, {.scene = scene});
-}
-
-/// Empty where it was stopped: half a judgement would pass for a good one.
-std::optional<Verdict> judge_unless_stopped(const std::string& name, const LoadOptions& options) {
-  const StopScope scope(&Interrupt::requested());
-  try {
-    return judge(name, options);
-  } catch (const Interrupted&) {
-    return std::nullopt;
-  }
-}
-
-/// The scenes below a folder, in the order of their names.
-std::vector<std::string> scenes_below(const fs::path& folder) {
-  std::vector<std::string> result;
-  std::error_code code;
-  fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, code);
-  for (; !code && at != fs::recursive_directory_iterator(); at.increment(code)) {
-    std::error_code ignored;
-    const fs::path& path = at->path();
-    const bool is_scene = has_extension(path, ".gltf") || has_extension(path, ".glb") ||
-                          io::has_foreign_extension(path) ||
-                          (has_extension(path, ".zip") && io::is_scene_archive(path));
-    if (is_scene && at->is_regular_file(ignored)) result.push_back(path.string());
-  }
-  if (code) throw Error("cannot list the folder: " + code.message(), folder.string());
-  if (result.empty()) throw Error("there is no scene in this folder", folder.string());
-  std::sort(result.begin(), result.end());
-  return result;
-}
 
 std::vector<std::string> scenes_of(const std::vector<std::string>& names) {
   std::vector<std::string> result;
@@ -222,14 +63,14 @@ std::string percent_text(double share) {
   return share > 0.0 && share < 0.001 ? "less than 0.1 %" : fmt::format("{:.1f} %", 100.0 * share);
 }
 
-std::string finding_text(const Told& told) {
-  const Finding& f = told.finding;
+std::string finding_text(const NamedFinding& named) {
+  const Finding& f = named.finding;
   std::string about;
   const auto add = [&about](const std::string& text) {
     if (!text.empty()) about += (about.empty() ? "" : ", ") + text;
   };
-  add(told.material);
-  add(told.texture);
+  add(named.material);
+  add(named.texture);
   add(f.subject);
   if (f.share) add(fmt::format("{} of its {}", percent_text(*f.share), f.share_of));
   std::string text = fmt::format("  {:<8} {:<22} ", severity_name(f.severity), f.code);
@@ -252,8 +93,8 @@ std::string verdict_text(const Verdict& v) {
   // What repeats for many materials would hide the rest.
   constexpr std::size_t kMostAlike = 4;
   std::map<std::string, std::size_t> alike;
-  for (const Told& told : v.findings) {
-    if (alike[told.finding.code]++ < kMostAlike) text += finding_text(told);
+  for (const NamedFinding& named : v.findings) {
+    if (alike[named.finding.code]++ < kMostAlike) text += finding_text(named);
   }
   for (const auto& [code, count] : alike) {
     if (count > kMostAlike) text += fmt::format("  and {} more {} (--json lists all)\n", count - kMostAlike, code);
@@ -325,16 +166,23 @@ void run_check(const CheckOptions& options) {
   Totals totals;
   ProgressLine progress(options.quiet);
   const Interrupt interrupt;
-  for (std::size_t i = 0; i < scenes.size() && !Interrupt::requested(); ++i) {
-    progress.phase(fmt::format("{} of {}: {}", i + 1, scenes.size(), scenes[i]));
-    const std::optional<Verdict> verdict = judge_unless_stopped(scenes[i], load_options);
-    if (!verdict) break;
-    totals.add(*verdict);
+  const Job job = progress.job();
+  const JobParts parts(job, scenes.size());
+  for (std::size_t i = 0; i < scenes.size() && !job.is_stopped(); ++i) {
+    const std::string text = fmt::format("{} of {}: {}", i + 1, scenes.size(), scenes[i]);
+    progress.phase(text);
+    Verdict verdict;
+    try {
+      verdict = judge(scenes[i], load_options, parts.part(i, text + ", "));
+    } catch (const Interrupted&) {
+      break;  // half a judgement would pass for a good one
+    }
+    totals.add(verdict);
     if (options.json) {
-      verdicts.push_back(*verdict);
+      verdicts.push_back(std::move(verdict));
     } else {
       progress.clear();  // both may be the same terminal
-      print(verdict_text(*verdict));
+      print(verdict_text(verdict));
     }
   }
   progress.clear();

@@ -52,7 +52,6 @@ figures::FigureSettings settings_of(const FigureOptions& o) {
   settings.samples = o.samples > 0 ? o.samples : is_draft ? 8 : 64;
   settings.reference = 8 * settings.samples;
   settings.size = is_draft ? 0.5f : 1.0f;
-  settings.stop = &Interrupt::requested();
   return settings;
 }
 
@@ -96,11 +95,12 @@ void run_figures(const FigureOptions& o) {
   const auto tell_warnings = [&] {
     for (; told < diagnostics.warnings().size(); ++told) progress.warn(diagnostics.warnings()[told]);
   };
-  const auto tell = [&](const figures::BookProgress& p) {
+  Job job{.stop = &Interrupt::requested(), .diagnostics = &diagnostics};
+  job.progress = [&](const Progress& p) {
     tell_warnings();
-    progress.phase(fmt::format("figure {} of {}: {}", p.index + 1, p.count, p.figure));
+    progress.phase(p.what);
   };
-  const figures::BookResult result = figures::write_figures(folder, o.chosen, settings, note, diagnostics, tell);
+  const figures::BookResult result = figures::write_figures(folder, o.chosen, settings, note, job);
   tell_warnings();
   progress.line(fmt::format("{}: {}{} figure{}, {} files in {}", (folder / "index.html").string(),
                             result.stopped ? "interrupted; " : "", result.figures, result.figures == 1 ? "" : "s",

@@ -113,18 +113,14 @@ Verb add_furnace(CLI::App& app) {
     if (!options->output.empty()) check_writable(output);
 
     ProgressLine progress(options->quiet);
-    const auto telling = [&progress](const char* what) {
-      return
-          [&progress, what](double share) { progress.update(share, fmt::format("{} {:.0f} %", what, 100.0 * share)); };
-    };
     const Interrupt interrupt;
-    const std::atomic<bool>& stop = Interrupt::requested();
-    const std::vector<laws::MatrixRow> matrix = laws::law_matrix(options->all, telling("measuring"), &stop);
-    const bool is_partial = stop;
+    const Job job = progress.job();
+    const std::vector<laws::MatrixRow> matrix = laws::law_matrix(options->all, job);
+    const bool is_partial = job.is_stopped();
     bool is_sheet_partial = false;
     if (!options->output.empty() && !is_partial) {
-      const Image sheet = laws::furnace_sheet(telling("drawing"), &stop);
-      is_sheet_partial = stop;
+      const Image sheet = laws::furnace_sheet(job);
+      is_sheet_partial = job.is_stopped();
       write_png(output, display(sheet));
       progress.line(fmt::format("{}{}: roughness 0 to 1; from the top: {}", is_sheet_partial ? "interrupted, " : "",
                                 options->output, fmt::join(laws::furnace_sheet_rows(), "; ")));

@@ -35,7 +35,8 @@ inline auto count_within(int low, int high) {
 }
 
 /// --root, of every verb that reads a scene.
-inline CLI::Option* add_root(CLI::App* verb, std::string& into) {
+template <class Path>
+CLI::Option* add_root(CLI::App* verb, Path& into) {
   const auto folder = [](const std::string& text) {
     if (text.empty() || !std::filesystem::is_directory(text)) throw UsageError("is no folder: '" + text + "'");
     return text;

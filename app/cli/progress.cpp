@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "cli/interrupt.h"
 #include "cli/values.h"
 
 namespace candela::cli {
@@ -33,9 +34,8 @@ void put(const std::string& text) {
   std::fflush(stderr);
 }
 
-std::string progress_text(const path::Progress& p) {
-  std::string text = fmt::format("{:3.0f} %  {:.0f} spp  {:.2f} Msamples/s", 100.0 * std::clamp(p.fraction, 0.0, 1.0),
-                                 p.mean_samples, p.samples_per_second * 1e-6);
+std::string progress_text(const Progress& p) {
+  std::string text = fmt::format("{:3.0f} %  {}", 100.0 * std::clamp(p.fraction, 0.0, 1.0), p.what);
   if (p.remaining_s) text += "  " + duration_text(*p.remaining_s) + " left";
   return text;
 }
@@ -59,15 +59,18 @@ void ProgressLine::phase(const std::string& text) {
   if (is_time_for_a_line()) put(one_line(text) + "\n");
 }
 
-void ProgressLine::update(const path::Progress& progress) { update(progress.fraction, progress_text(progress)); }
+Job ProgressLine::job() {
+  return {.progress = [this](const Progress& p) { update(p); }, .stop = &Interrupt::requested()};
+}
 
-void ProgressLine::update(double fraction, const std::string& text) {
+void ProgressLine::update(const Progress& progress) {
+  const std::string text = progress_text(progress);
   if (quiet_) return;
   if (!terminal_) return phase(text);
   constexpr int kWidest = 40;
   const int width = std::min(kWidest, terminal_columns() - static_cast<int>(text.size()) - 4);
   if (width < 4) return show(text);
-  const auto full = static_cast<std::size_t>(std::lround(std::clamp(fraction, 0.0, 1.0) * width));
+  const auto full = static_cast<std::size_t>(std::lround(std::clamp(progress.fraction, 0.0, 1.0) * width));
   show(fmt::format("[{:#<{}}{:.<{}}] {}", "", full, "", static_cast<std::size_t>(width) - full, text));
 }
 

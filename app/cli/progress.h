@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/diagnostics.h"
-#include "path/render.h"
+#include "image/job.h"
 
 namespace candela::cli {
 
@@ -18,10 +18,11 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void phase(const std::string& text);  ///< replaced by whatever comes next
-  void update(const path::Progress& progress);
-  void update(double fraction, const std::string& text);  ///< a bar for a share of the work, and words
-  void clear();                                           ///< before something else is printed on the terminal
-  void line(const std::string& text);                     ///< stays on the screen
+  void update(const Progress& progress);
+  /// Shows how far a work is, which Ctrl-C stops while an Interrupt lives.
+  Job job();
+  void clear();                        ///< before something else is printed on the terminal
+  void line(const std::string& text);  ///< stays on the screen
   void warn(const Diagnostic& warning);
 
  private:

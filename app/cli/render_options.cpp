@@ -37,28 +37,28 @@ void add_picture(CLI::App* verb, RenderOptions& o) {
     if (value.empty()) throw UsageError("the name is empty");
     return value;
   };
-  add_scene_choice(verb, o.scene_choice)->group(group);
-  add_measures(verb, o.measures, group);
-  add_value(verb, "--variant", "NAME", o.variant, variant,
+  add_scene_choice(verb, o.shot.load.scene)->group(group);
+  add_measures(verb, o.shot.load.measures, group);
+  add_value(verb, "--variant", "NAME", o.shot.load.variant, variant,
             "One of the file's material variants, as candela info lists them [its default look]")
       ->group(group);
-  add_value(verb, "--size", "WxH", o.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]")->group(group);
-  add_value(verb, "--exposure", "auto|EV|f/N,1/T,ISO", o.exposure, parse_exposure,
+  add_value(verb, "--size", "WxH", o.shot.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]")->group(group);
+  add_value(verb, "--exposure", "auto|EV|f/N,1/T,ISO", o.shot.exposure, parse_exposure,
             "Metered, in stops, or as on a camera [the scene's wish; studio 0 unless outshone; else auto]")
       ->group(group);
-  add_value(verb, "--tonemap", "CURVE", o.tone_curve, parse_tone_curve,
+  add_value(verb, "--tonemap", "CURVE", o.shot.tone_curve, parse_tone_curve,
             "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")
       ->group(group);
-  add_value(verb, "--bloom", "X", o.bloom, number_within(0.0f, 1.0f),
+  add_value(verb, "--bloom", "X", o.shot.bloom, number_within(0.0f, 1.0f),
             "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
       ->group(group);
   add_value(verb, "--background", "env|transparent|COLOUR", o.background, parse_background,
             "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
       ->group(group);
-  add_value(verb, "--glass", "background|env", o.settings.environment_in_glass, parse_glass,
+  add_value(verb, "--glass", "background|env", o.shot.environment_in_glass, parse_glass,
             "What clear glass before such a background shows through it [background]")
       ->group(group);
-  add_value(verb, "--aov", "LIST", o.settings.layers, parse_layers,
+  add_value(verb, "--aov", "LIST", o.shot.layers, parse_layers,
             "Layers beside the picture in the .exr: albedo,normal,depth,position,id")
       ->group(group);
 }
@@ -71,26 +71,26 @@ void add_sampling(CLI::App* verb, RenderOptions& o) {
   add_value(verb, "--spp", "N", o.samples, count_within(1, kMostSamples),
             "Samples per pixel, best a power of two [128; 65536 with --time or --noise; raster: frames to average, 1]")
       ->group(group);
-  add_value(verb, "--time", "30s", o.settings.time_limit_s, parse_duration,
+  add_value(verb, "--time", "30s", o.shot.traced.time_limit_s, parse_duration,
             "Stop after about this long: 500ms, 30s, 5min, 1.5h")
       ->group(group);
-  add_value(verb, "--noise", "X", o.settings.noise, number_within(1e-6f, 1.0f),
+  add_value(verb, "--noise", "X", o.shot.traced.noise, number_within(1e-6f, 1.0f),
             "Stop each pixel when its relative error is estimated below X, e.g. 0.01")
       ->group(group);
-  add_value(verb, "--bounces", "N", o.settings.bounces, count_within(0, 1024),
+  add_value(verb, "--bounces", "N", o.shot.traced.bounces, count_within(0, 1024),
             "Scattering events along a path; 1 is direct light only [8]")
       ->group(group);
-  add_value(verb, "--seed", "N", o.settings.seed, seed, "Another seed is another noise pattern [0]")->group(group);
-  add_value(verb, "--filter", "NAME", o.settings.filter, parse_filter, "box, gaussian or blackman-harris [box]")
+  add_value(verb, "--seed", "N", o.shot.traced.seed, seed, "Another seed is another noise pattern [0]")->group(group);
+  add_value(verb, "--filter", "NAME", o.shot.traced.filter, parse_filter, "box, gaussian or blackman-harris [box]")
       ->group(group);
-  add_value(verb, "--integrator", "NAME", o.settings.integrator, parse_integrator,
+  add_value(verb, "--integrator", "NAME", o.shot.traced.integrator, parse_integrator,
             "full, or minimal: the same mean by following the material alone [full]")
       ->group(group);
   const auto shading = [&o](const std::string& text) {
-    o.settings.shading = parse_shading(text);
+    o.shot.shading = parse_shading(text);
     return text;
   };
-  add_value(verb, "--shading", "MODEL", o.shading, shading,
+  add_value(verb, "--shading", "MODEL", o.shot.shading_name, shading,
             "candela, gltf, ue4, learnopengl, thesis or blinn-phong, and terms: ue4,d=beckmann,diffuse=eon [candela]")
       ->group(group);
 }
@@ -98,32 +98,32 @@ void add_sampling(CLI::App* verb, RenderOptions& o) {
 void add_camera(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Camera";
   const auto text = [](const std::string& value) { return value; };
-  CLI::Option* camera = add_value(verb, "--camera", "INDEX|NAME", o.camera, text,
+  CLI::Option* camera = add_value(verb, "--camera", "INDEX|NAME", o.shot.camera, text,
                                   "One of the file's cameras [the first, else the whole subject]");
-  CLI::Option* orbit = add_value(verb, "--orbit", "AZ,EL[,DIST]", o.orbit, parse_orbit,
+  CLI::Option* orbit = add_value(verb, "--orbit", "AZ,EL[,DIST]", o.shot.orbit, parse_orbit,
                                  "Degrees around and above the subject; DIST 1 fits it, 0.5 is twice as close");
-  CLI::Option* eye = add_value(verb, "--eye", "X,Y,Z", o.eye, parse_vec3, "Where the camera is, metres");
+  CLI::Option* eye = add_value(verb, "--eye", "X,Y,Z", o.shot.eye, parse_vec3, "Where the camera is, metres");
   CLI::Option* target =
-      add_value(verb, "--target", "X,Y,Z", o.target, parse_vec3, "What --eye looks at [the subject's centre]");
+      add_value(verb, "--target", "X,Y,Z", o.shot.target, parse_vec3, "What --eye looks at [the subject's centre]");
   CLI::Option* fov = add_value(
-      verb, "--fov", "45deg", o.fov, [](const std::string& value) { return parse_field_of_view(value); },
+      verb, "--fov", "45deg", o.shot.yfov, [](const std::string& value) { return parse_field_of_view(value); },
       "Vertical field of view, also as 0.8rad [the camera's own, else 45deg]");
-  CLI::Option* f_number = add_value(verb, "--f-number", "F", o.f_number, number_within(0.01f, 1000.0f),
+  CLI::Option* f_number = add_value(verb, "--f-number", "F", o.shot.f_number, number_within(0.01f, 1000.0f),
                                     "Aperture of a lens on a 24 mm high sensor [everything is sharp]");
-  CLI::Option* focus = add_value(verb, "--focus-distance", "M|auto", o.focus_distance, parse_focus,
+  CLI::Option* focus = add_value(verb, "--focus-distance", "M|auto", o.shot.focus_distance, parse_focus,
                                  "What is sharp, metres [auto: --target or the subject's centre]");
-  CLI::Option* blades = add_value(verb, "--blades", "N", o.blades, count_within(0, 64),
+  CLI::Option* blades = add_value(verb, "--blades", "N", o.shot.blades, count_within(0, 64),
                                   "Corners of the aperture, below 3 it is round [0]");
-  CLI::Option* vignetting = add_value(verb, "--vignetting", "X", o.vignetting, number_within(0.0f, 1.0f),
+  CLI::Option* vignetting = add_value(verb, "--vignetting", "X", o.shot.vignetting, number_within(0.0f, 1.0f),
                                       "Fall-off to the corners: 0 none, 1 natural [0]");
   CLI::Option* no_clip =
-      verb->add_flag("--no-clip", o.ignores_planes,
+      verb->add_flag("--no-clip", o.shot.ignores_planes,
                      "The file's camera sees what is before its near plane and beyond its far one, too");
   camera->excludes(orbit)->excludes(eye);
   no_clip->excludes(orbit)->excludes(eye);
   orbit->excludes(eye);
   target->needs(eye);
-  CLI::Option* turntable = add_value(verb, "--turntable", "N", o.turntable, count_within(1, 100000),
+  CLI::Option* turntable = add_value(verb, "--turntable", "N", o.shot.turntable, count_within(1, 100000),
                                      "N pictures from all around the subject, into -o NAME%03d.png");
   for (CLI::Option* option :
        {camera, orbit, eye, target, fov, f_number, focus, blades, vignetting, no_clip, turntable}) {
@@ -134,16 +134,16 @@ void add_camera(CLI::App* verb, RenderOptions& o) {
 void add_time(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Time";
   const auto text = [](const std::string& value) { return value; };
-  add_value(verb, "--frame-time", "1.5s", o.frame_time_s, parse_moment,
+  add_value(verb, "--frame-time", "1.5s", o.shot.moment_s, parse_moment,
             "The moment of the animation that is shown [the file at rest; 0s with the options below]")
       ->group(group);
-  add_value(verb, "--animation", "NAME|INDEX|all", o.animation, text,
+  add_value(verb, "--animation", "NAME|INDEX|all", o.shot.animation, text,
             "Which of the file's animations, as candela info lists them; all: every one together [the first]")
       ->group(group);
-  add_value(verb, "--shutter", "20ms", o.shutter_s, parse_duration,
+  add_value(verb, "--shutter", "20ms", o.shot.shutter_s, parse_duration,
             "Motion blur: how long the picture is exposed while the scene moves [not at all]")
       ->group(group);
-  add_value(verb, "--sequence", "N", o.sequence, count_within(1, 100000),
+  add_value(verb, "--sequence", "N", o.shot.sequence, count_within(1, 100000),
             "N pictures over the animation from --frame-time to its end, into -o NAME%03d.png")
       ->group(group);
 }
@@ -155,29 +155,29 @@ void add_light(CLI::App* verb, RenderOptions& o) {
     return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
   };
   add_value(
-      verb, "--env", "FILE|NAME", o.environment, text,
+      verb, "--env", "FILE|NAME", o.shot.environment, text,
       "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
       ->group(group);
   add_value(verb, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
             "Height of the sun: short for --env sky:DEG")
       ->group(group);
-  add_value(verb, "--env-rotation", "DEG", o.environment_rotation, degrees_within(-36000.0f, 36000.0f),
+  add_value(verb, "--env-rotation", "DEG", o.shot.environment_rotation, degrees_within(-36000.0f, 36000.0f),
             "Turns the environment about +y [0]")
       ->group(group);
-  add_value(verb, "--env-intensity", "X", o.environment_intensity, number_within(0.0f, kHuge),
+  add_value(verb, "--env-intensity", "X", o.shot.environment_intensity, number_within(0.0f, kHuge),
             "Multiplies the environment [1]")
       ->group(group);
-  add_value(verb, "--light-falloff", "KIND", o.light_falloff, parse_falloff,
+  add_value(verb, "--light-falloff", "KIND", o.shot.falloff, parse_falloff,
             "Of every point and spot: gltf, inverse-square, ue4 or polynomial[:A0,A1,A2] [each light's own]")
       ->group(group);
 }
 
 void add_running(CLI::App* verb, RenderOptions& o) {
   const std::string group = "Running";
-  add_root(verb, o.root)->group(group);
+  add_root(verb, o.shot.load.root)->group(group);
   add_value(verb, "--threads", "N", o.threads, count_within(0, 1024), "0 is all; the picture does not depend on it [0]")
       ->group(group);
-  add_value(verb, "--engine", "path|raster", o.engine, parse_engine,
+  add_value(verb, "--engine", "path|raster", o.shot.engine, parse_engine,
             "path, the path tracer; raster, OpenGL: a frame in a moment, with or without a GPU [path]")
       ->group(group);
   const auto file_name = [](const std::string& value) {
@@ -194,13 +194,13 @@ void add_running(CLI::App* verb, RenderOptions& o) {
 
 void add_raster(CLI::App* verb, RenderOptions& o) {
   const std::string group = "With --engine raster";
-  add_value(verb, "--msaa", "N", o.msaa, count_within(1, 16),
+  add_value(verb, "--msaa", "N", o.shot.drawn.msaa, count_within(1, 16),
             "Samples of each frame at edges, 1 to what the driver has [4]")
       ->group(group);
   const auto quantity = [&o](const std::string& text) {
     constexpr std::string_view kLight = "light:";
     if (text.starts_with(kLight)) {
-      o.shown_light = count_within(0, raster::kMostLights - 1)(text.substr(kLight.size()));
+      o.shot.drawn.shown_light = count_within(0, raster::kMostLights - 1)(text.substr(kLight.size()));
       return raster::Quantity::one_light;
     }
     try {
@@ -209,23 +209,23 @@ void add_raster(CLI::App* verb, RenderOptions& o) {
       throw UsageError(error.message());
     }
   };
-  add_value(verb, "--view", "NAME", o.quantity, quantity,
+  add_value(verb, "--view", "NAME", o.shot.drawn.quantity, quantity,
             "One quantity in place of all light: normal, base-color, roughness, specular, light:0, … [light]")
       ->group(group);
   add_value(
-      verb, "--ao", "X", o.occlusion_radius, number_within(0.0f, 1.0f),
+      verb, "--ao", "X", o.shot.drawn.occlusion_radius, number_within(0.0f, 1.0f),
       "How far surfaces take the environment's light from each other, over the scene's size, e.g. 0.05 [0: not at all]")
       ->group(group);
-  verb->add_flag("--soft-shadows", o.has_soft_shadows,
+  verb->add_flag("--soft-shadows", o.shot.drawn.has_soft_shadows,
                  "Shadows of suns soften with the distance from what casts them (those of glowing surfaces always do)")
       ->group(group);
-  add_value(verb, "--light-radius", "M", o.light_radius, number_within(0.0f, 1e6f),
+  add_value(verb, "--light-radius", "M", o.shot.drawn.light_radius, number_within(0.0f, 1e6f),
             "The same for points and spots, as if they were balls so large [0: hard]")
       ->group(group);
-  add_value(verb, "--ambient", "KIND", o.ambient, parse_ambient,
+  add_value(verb, "--ambient", "KIND", o.shot.drawn.ambient, parse_ambient,
             "Light from far away: baked, or for comparison harmonics, mips, constant, none [baked]")
       ->group(group);
-  add_value(verb, "--probes", "N", o.probes, count_within(0, 64),
+  add_value(verb, "--probes", "N", o.shot.probes, count_within(0, 64),
             "Light from within the scene, path traced at N places, in place of that from far away [0]")
       ->group(group);
   verb->add_flag("!--no-cache", o.keeps_cache, "Bake the environment anew, and keep nothing of it")->group(group);
@@ -233,7 +233,7 @@ void add_raster(CLI::App* verb, RenderOptions& o) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
     return value;
   };
-  add_value(verb, "--shaders", "DIR", o.shader_folder, folder,
+  add_value(verb, "--shaders", "DIR", o.shot.drawn.shader_folder, folder,
             "For development: read shaders from there in place of those in the program")
       ->group(group);
 }
@@ -269,23 +269,23 @@ void check_batch(RenderOptions& o) {
   const bool is_folder = o.outputs.size() == 1 && is_named_as_folder(o.outputs[0]);
   if (o.scenes.size() == 1 && !is_folder) return;
   if (!is_folder) throw UsageError("--output: of several scenes it is one folder: -o DIR/");
-  if (o.turntable) throw UsageError("--turntable: one scene at a time");
-  if (o.sequence) throw UsageError("--sequence: one scene at a time");
+  if (o.shot.turntable) throw UsageError("--turntable: one scene at a time");
+  if (o.shot.sequence) throw UsageError("--sequence: one scene at a time");
   if (o.stats) throw UsageError("--stats: one scene at a time");
-  if (!o.settings.layers.empty()) throw UsageError("--aov: only an .exr holds layers; give one scene and -o FILE.exr");
+  if (!o.shot.layers.empty()) throw UsageError("--aov: only an .exr holds layers; give one scene and -o FILE.exr");
   o.is_batch = true;
 }
 
 void check_outputs(RenderOptions& o) {
   check_batch(o);
   if (o.is_batch) return;
-  if (o.turntable && o.sequence) throw UsageError("--sequence: not together with --turntable");
+  if (o.shot.turntable && o.shot.sequence) throw UsageError("--sequence: not together with --turntable");
   if (o.outputs.empty()) {
     o.has_default_name = true;
     o.outputs.push_back(default_output(o, 1));
   }
   for (const std::string& output : o.outputs) {
-    if (o.has_many_pictures() && !is_frame_pattern(output)) {
+    if (o.shot.has_many_pictures() && !is_frame_pattern(output)) {
       throw UsageError("--output: " + output + " has no place for the number of a picture: NAME%03d.png");
     }
   }
@@ -305,12 +305,12 @@ void check_outputs(RenderOptions& o) {
   if (o.stats && seen.contains(o.stats->lexically_normal().string())) {
     throw UsageError("--stats: " + o.stats->string() + " is a picture's name");
   }
-  if (!o.settings.layers.empty() && !any_exr) throw UsageError("--aov: only an .exr holds layers; add -o FILE.exr");
+  if (!o.shot.layers.empty() && !any_exr) throw UsageError("--aov: only an .exr holds layers; add -o FILE.exr");
 }
 
 /// What only one of the engines knows is not silently ignored by the other.
 void check_engine(const CLI::App& verb, const RenderOptions& o) {
-  const bool is_raster = o.engine == Engine::raster;
+  const bool is_raster = o.shot.engine == Engine::raster;
   const auto refuse = [&](std::initializer_list<const char*> options, const std::string& why) {
     for (const char* option : options) {
       if (verb.count(option) > 0) throw UsageError(std::string(option) + ": " + why);
@@ -324,23 +324,18 @@ void check_engine(const CLI::App& verb, const RenderOptions& o) {
            "only for --engine raster");
     return;
   }
-  if (shows_numbers(o.quantity)) {
+  if (raster::shows_numbers(o.shot.drawn.quantity)) {
     const std::string why = "--view shows numbers, which are left as they are";
     refuse({"--exposure", "--tonemap", "--bloom"}, why);
-    if (raster::is_of_surface(o.quantity)) refuse({"--msaa"}, why);
+    if (raster::is_of_surface(o.shot.drawn.quantity)) refuse({"--msaa"}, why);
   }
-  if (o.probes > 0) refuse({"--ambient"}, "without effect on light from --probes");
-  if (o.f_number && o.samples.value_or(2) == 1) {
+  if (o.shot.probes > 0) refuse({"--ambient"}, "without effect on light from --probes");
+  if (o.shot.f_number && o.samples.value_or(2) == 1) {
     throw UsageError("--f-number: of one frame everything is sharp: --spp 2 or more");
   }
 }
 
 }  // namespace
-
-bool shows_numbers(raster::Quantity quantity) {
-  return raster::is_of_surface(quantity) || quantity == raster::Quantity::luminance ||
-         quantity == raster::Quantity::non_finite;
-}
 
 std::string default_stem(const std::string& scene) {
   const std::string name = scene.starts_with("demo:") ? scene.substr(5) : fs::path(scene).stem().string();
@@ -348,8 +343,8 @@ std::string default_stem(const std::string& scene) {
 }
 
 std::string default_output(const RenderOptions& o, int attempt) {
-  const std::string stem = default_stem(o.scene) + (attempt > 1 ? fmt::format("-{}", attempt) : "");
-  return o.has_many_pictures() ? literal_in_pattern(stem) + "-%03d.png" : stem + ".png";
+  const std::string stem = default_stem(o.shot.scene) + (attempt > 1 ? fmt::format("-{}", attempt) : "");
+  return o.shot.has_many_pictures() ? literal_in_pattern(stem) + "-%03d.png" : stem + ".png";
 }
 
 CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
@@ -373,28 +368,27 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   for (const std::string& scene : o.scenes) {
     if (scene.empty()) throw UsageError("SCENE: the name is empty");
   }
-  o.scene = o.scenes.front();
+  o.shot.scene = o.scenes.front();
   check_engine(verb, o);
   constexpr int kDefaultSamples = 128;
   constexpr int kBlurFrames = 32;
-  const int default_frames = o.shutter_s > 0.0 || o.f_number ? kBlurFrames : 1;
-  const bool open_ended = o.settings.time_limit_s || o.settings.noise;
-  o.settings.samples = o.samples.value_or(o.engine == Engine::raster ? default_frames
-                                          : open_ended               ? kOpenEndedSamples
-                                                                     : kDefaultSamples);
-  o.settings.width = o.size.x;
-  o.settings.height = o.size.y;
-  o.settings.background = o.background.kind;
-  if (verb.count("--glass") > 0 && o.background.kind == path::Background::environment) {
+  const int default_frames = o.shot.shutter_s > 0.0 || o.shot.f_number ? kBlurFrames : 1;
+  const bool open_ended = o.shot.traced.time_limit_s || o.shot.traced.noise;
+  o.shot.traced.samples = o.samples.value_or(open_ended ? kOpenEndedSamples : kDefaultSamples);
+  o.shot.drawn.frames = o.samples.value_or(default_frames);
+  if (o.keeps_cache) o.shot.drawn.cache = raster::default_cache();
+  o.shot.background = o.background.kind;
+  o.shot.background_color = o.background.color;
+  if (verb.count("--glass") > 0 && o.background.kind == Background::environment) {
     throw UsageError("--glass: without another --background glass shows the environment");
   }
   o.develop_given = verb.count("--exposure") + verb.count("--tonemap") + verb.count("--bloom") > 0;
-  if (o.light_radius > 0.0f) o.has_soft_shadows = true;
-  o.focus_given = verb.count("--focus-distance") > 0;
+  if (o.shot.drawn.light_radius > 0.0f) o.shot.drawn.has_soft_shadows = true;
+  o.shot.focuses_on_target = verb.count("--focus-distance") > 0;
 
   if (o.sun_elevation) {
-    if (o.environment.value_or("sky") != "sky") throw UsageError("--sun-elevation: only for --env sky");
-    o.environment = fmt::format("sky:{}", *o.sun_elevation);
+    if (o.shot.environment.value_or("sky") != "sky") throw UsageError("--sun-elevation: only for --env sky");
+    o.shot.environment = fmt::format("sky:{}", *o.sun_elevation);
   }
   check_outputs(o);
 }

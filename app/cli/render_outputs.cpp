@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 std::vector<fs::path> outputs_of(const RenderOptions& o, std::size_t index) {
   std::vector<fs::path> paths;
   for (const std::string& output : o.outputs) {
-    paths.emplace_back(o.has_many_pictures() ? frame_name(output, static_cast<int>(index)) : output);
+    paths.emplace_back(o.shot.has_many_pictures() ? frame_name(output, static_cast<int>(index)) : output);
   }
   return paths;
 }
@@ -27,7 +27,7 @@ namespace {
 
 std::vector<fs::path> all_outputs(const RenderOptions& o) {
   std::vector<fs::path> paths;
-  const int count = o.turntable.value_or(o.sequence.value_or(1));
+  const int count = o.shot.turntable.value_or(o.shot.sequence.value_or(1));
   for (int i = 0; i < count; ++i) {
     for (fs::path& path : outputs_of(o, static_cast<std::size_t>(i))) paths.push_back(std::move(path));
   }
@@ -40,8 +40,8 @@ std::vector<fs::path> all_outputs(const RenderOptions& o) {
 Inputs inputs_of_options(const RenderOptions& o) {
   Inputs inputs;
   for (const std::string& scene : o.scenes) inputs.add(scene, "the scene " + scene);
-  inputs.add_environment(o.environment.value_or(""));
-  if (!o.shader_folder.empty()) inputs.add_folder(o.shader_folder, "a shader");
+  inputs.add_environment(o.shot.environment.value_or(""));
+  if (!o.shot.drawn.shader_folder.empty()) inputs.add_folder(o.shot.drawn.shader_folder, "a shader");
   return inputs;
 }
 

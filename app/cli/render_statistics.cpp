@@ -26,7 +26,7 @@ const char* end_of(const path::Statistics& s) { return s.interrupted ? "interrup
 
 nlohmann::ordered_json noise_json(const RenderOptions& o, const path::Statistics& s) {
   if (!s.noise) return nullptr;
-  nlohmann::ordered_json json{{"target", *o.settings.noise},
+  nlohmann::ordered_json json{{"target", *o.shot.traced.noise},
                               {"reached", s.noise->share_above <= 0.0},
                               {"share_above", s.noise->share_above},
                               {"worst", nullptr},
@@ -40,16 +40,17 @@ nlohmann::ordered_json noise_json(const RenderOptions& o, const path::Statistics
 void warn_of_noise(const RenderOptions& o, const path::Statistics& s, Diagnostics& diagnostics) {
   if (!s.noise || s.noise->share_above <= 0.0) return;
   const std::string why = s.interrupted ? "the interruption"
-                          : s.timed_out ? "--time"
-                                        : fmt::format("the limit of {} samples per pixel (--spp)", o.settings.samples);
+                          : s.timed_out
+                              ? "--time"
+                              : fmt::format("the limit of {} samples per pixel (--spp)", o.shot.traced.samples);
   const std::string worst =
       std::isfinite(s.noise->worst) ? fmt::format("{:.2g}", s.noise->worst) : std::string("unknown");
   const double percent = 100.0 * s.noise->share_above;
   diagnostics.warn(
       fmt::format("the noise target {:g} was not reached in {} % of the pixels, the worst of which is {}: "
                   "stopped by {}",
-                  *o.settings.noise, percent < 1.0 ? "less than 1" : fmt::format("{:.0f}", percent), worst, why),
-      o.scene);
+                  *o.shot.traced.noise, percent < 1.0 ? "less than 1" : fmt::format("{:.0f}", percent), worst, why),
+      o.shot.scene);
 }
 
 std::string stats_json(const RenderOptions& o, const path::Statistics& s, const Times& times, int threads,
@@ -58,9 +59,9 @@ std::string stats_json(const RenderOptions& o, const path::Statistics& s, const 
   getrusage(RUSAGE_SELF, &usage);
   nlohmann::ordered_json json{
       {"version", version()},
-      {"scene", o.scene},
-      {"width", o.size.x},
-      {"height", o.size.y},
+      {"scene", o.shot.scene},
+      {"width", o.shot.size.x},
+      {"height", o.shot.size.y},
       {"spp", s.mean_samples_per_pixel},
       {"threads", threads},
       {"load_s", times.load_s},
@@ -91,11 +92,11 @@ std::string stats_json(const RenderOptions& o, const raster::Statistics& s, cons
   nlohmann::ordered_json json{{"version", version()},
                               {"engine", "raster"},
                               {"driver", s.driver},
-                              {"scene", o.scene},
-                              {"width", o.size.x},
-                              {"height", o.size.y},
+                              {"scene", o.shot.scene},
+                              {"width", o.shot.size.x},
+                              {"height", o.shot.size.y},
                               {"frames", s.frames},
-                              {"msaa", o.msaa},
+                              {"msaa", o.shot.drawn.msaa},
                               {"load_s", times.load_s},
                               {"open_s", s.open_s},
                               {"light_s", s.light_s},

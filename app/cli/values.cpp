@@ -220,9 +220,9 @@ FalloffChoice parse_falloff(const std::string& text) {
 }
 
 BackgroundChoice parse_background(const std::string& text) {
-  if (text == "env") return {path::Background::environment};
-  if (text == "transparent") return {path::Background::transparent};
-  return {path::Background::transparent, parse_color(text)};
+  if (text == "env") return {Background::environment};
+  if (text == "transparent") return {Background::transparent};
+  return {Background::transparent, parse_color(text)};
 }
 
 bool parse_glass(const std::string& text) {

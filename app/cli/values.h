@@ -5,11 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "image/film.h"
-#include "math/types.h"
-#include "path/render.h"
-#include "raster/image_light.h"
-#include "scene/view.h"
+#include "candela/shot.h"
 
 /// What the text of an option means. Every function throws UsageError for a text that is not exactly that.
 namespace candela::cli {
@@ -37,20 +33,15 @@ path::Integrator parse_integrator(const std::string& text);
 shade::ShadingModel parse_shading(const std::string& text);
 
 struct BackgroundChoice {
-  path::Background kind = path::Background::environment;
+  Background kind = Background::environment;
   std::optional<vec3> color = {};  ///< linear; shows through where the film is transparent
 };
 BackgroundChoice parse_background(const std::string& text);
 /// Whether glass shows the environment.
 bool parse_glass(const std::string& text);
-enum class Engine { path, raster };
 Engine parse_engine(const std::string& text);
 raster::Ambient parse_ambient(const std::string& text);
 
-struct FalloffChoice {
-  Falloff kind = Falloff::gltf;
-  std::optional<vec3> polynomial = {};  ///< empty = each light's own
-};
 FalloffChoice parse_falloff(const std::string& text);  ///< a kind, or "polynomial:a0,a1,a2"
 
 /// Metres, or empty for "auto".

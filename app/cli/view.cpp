@@ -108,7 +108,8 @@ Viewer::Viewer(const ViewOptions& o)
       settings_(settings_of(o)) {
   const ivec2 size = window_.size();
   settings_.width = std::max(size.x, 1), settings_.height = std::max(size.y, 1);
-  renderer_ = std::make_unique<raster::Renderer>(scene_, environment_, settings_, diagnostics_);
+  renderer_ =
+      std::make_unique<raster::Renderer>(scene_, environment_, shade::shading_model_candela(), settings_, diagnostics_);
   if (raster::is_lit_from_far(environment_)) {
     renderer_->set_light(raster::bake_light(environment_, raster::uses_sheen(scene_), settings_.cache));
   }

@@ -160,26 +160,20 @@ std::vector<vec3> spread(const Box3& bounds, int count) {
 
 }  // namespace
 
-std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples,
-                                       const path::Callbacks& callbacks) {
+std::vector<raster::Probe> bake_probes(const path::Tracer& tracer, int count, int samples, const Job& job) {
   constexpr int kSize = 64;
-  if (count <= 0) return {};
+  std::vector<raster::Probe> probes;
+  if (count <= 0) return probes;
+  const Scene& scene = tracer.scene();
   const Box3 bounds = subject_bounds(scene);
   path::Settings settings;
   settings.samples = samples;
   settings.sees_lamps = false;
-  std::vector<raster::Probe> probes;
+  const JobParts parts(job, static_cast<std::size_t>(count));
   for (const vec3& position : spread(bounds, count)) {
-    path::Callbacks of_probe = callbacks;
-    of_probe.progress = [&](path::Progress p) {
-      p.fraction = (static_cast<double>(probes.size()) + p.fraction) / count;
-      p.remaining_s.reset();
-      if (callbacks.progress) callbacks.progress(p);
-    };
-    path::Statistics statistics;
+    const std::string what = "tracing probe " + std::to_string(probes.size() + 1) + " of " + std::to_string(count);
     const Cubemap seen =
-        path::capture_environment(scene, environment, position, kSize, settings, &statistics, of_probe);
-    if (statistics.interrupted) throw Interrupted("while probes were traced: no picture");
+        path::capture_environment(tracer, position, kSize, settings, parts.part(probes.size(), what + ", "));
     probes.push_back({position, bounds, raster::bake_light(seen.levels[0], raster::uses_sheen(scene))});
   }
   return probes;

@@ -90,13 +90,11 @@ DevelopSettings default_develop(const Scene& scene);
 
 /// Renders with default_light and default_view.
 Film render(const Scene& scene, const path::Settings& settings = {});
-using path::render;
 
 /// Light as it arrives at `count` places spread over a scene, path traced with `samples` per texel; lamps and suns are
-/// left out, which the rasterizer draws as lights of their own. For raster::Session::set_probes.
-/// After a stop it throws Interrupted: light from half the sides would be wrong.
-std::vector<raster::Probe> bake_probes(const Scene& scene, const Environment& environment, int count, int samples,
-                                       const path::Callbacks& callbacks = {});
+/// left out, which the rasterizer draws as lights of their own. For raster::Drawer::set_probes. Throws Interrupted
+/// after a stop: light from half the sides would be wrong.
+std::vector<raster::Probe> bake_probes(const path::Tracer& tracer, int count, int samples, const Job& job = {});
 
 /// "0.1.0"
 const char* version();

@@ -37,22 +37,30 @@ std::string texture_label(const Scene& scene, int texture, const FileSurvey* sur
   return name.empty() ? fmt::format("texture {}", number_of(scene.textures, index)) : fmt::format("texture '{}'", name);
 }
 
-std::vector<Finding> check_asset(const CheckInput& input) {
-  const StopScope scope(input.stop);
+std::vector<Finding> check_asset(const CheckInput& input, const Job& job) {
+  const StopScope scope(job.stop);
   std::vector<Finding> findings;
-  const std::vector<MaterialSurface> surfaces = material_surfaces(input.scene);
+  const Scene& scene = input.scene;
+  const Stopwatch watch;
+  const auto begin = [&](int step, const char* what) {
+    constexpr int kSteps = 6;
+    StopScope::check();
+    job.report({.fraction = static_cast<double>(step) / kSteps, .seconds = watch.seconds(), .what = what});
+  };
+  begin(0, "the file");
+  const std::vector<MaterialSurface> surfaces = material_surfaces(scene);
   check_file(input, findings);
-  StopScope::check();
-  check_textures(input.scene, surfaces, findings);
+  begin(1, "textures");
+  check_textures(scene, surfaces, findings);
   check_texture_files(input, findings);
-  StopScope::check();
-  check_normal_maps(input.scene, surfaces, findings);
-  StopScope::check();
-  check_surfaces(input.scene, surfaces, findings);
-  StopScope::check();
-  check_volumes(input.scene, findings);
-  StopScope::check();
-  check_lights(input.scene, findings);
+  begin(2, "normal maps");
+  check_normal_maps(scene, surfaces, findings);
+  begin(3, "surfaces");
+  check_surfaces(scene, surfaces, findings);
+  begin(4, "bodies");
+  check_volumes(scene, findings);
+  begin(5, "lights");
+  check_lights(scene, findings);
   check_image_light(input, findings);
   std::stable_sort(findings.begin(), findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });

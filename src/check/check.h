@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "base/diagnostics.h"
+#include "image/job.h"
 #include "scene/file_survey.h"
 #include "scene/scene.h"
 
@@ -43,14 +43,13 @@ struct CheckInput {
   std::vector<std::string> extensions_ignored = {};  ///< not supported
   std::vector<std::string> extensions_missing = {};  ///< required, but not supported
   std::span<const Diagnostic> warnings = {};         ///< of the loader
-  const std::atomic<bool>* stop = nullptr;           ///< once set, the judgement ends with Interrupted
   std::span<const Diagnostic> notes = {};            ///< of the loader
 };
 
 /// Judges surfaces, textures, bodies, lights and the file. The same scene gives the same findings in the same order,
 /// errors first. Points on surfaces are spread by area over all instances, with a low-discrepancy sequence; the area of
-/// an instance counts by the volume scale of its transform (exact for similarities).
-std::vector<Finding> check_asset(const CheckInput& input);
+/// an instance counts by the volume scale of its transform (exact for similarities). Throws Interrupted after a stop.
+std::vector<Finding> check_asset(const CheckInput& input, const Job& job = {});
 
 /// The part of it that needs no scene: images that cannot be read.
 std::vector<Finding> check_images(const FileSurvey& survey);

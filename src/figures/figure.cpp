@@ -47,38 +47,38 @@ const Environment& FigureContext::environment(const std::string& name) {
 }
 
 void FigureContext::check_stop() const {
-  if (settings_.stop != nullptr && settings_.stop->load()) throw FigureStopped{};
+  if (job_.is_stopped()) throw Interrupted("while a figure was made");
 }
 
 Film FigureContext::trace(const Scene& scene, const Environment& environment, const View& view,
-                          const path::Settings& settings) {
+                          const path::Settings& settings, const shade::ShadingModel& shading) {
   check_stop();
-  path::Callbacks callbacks;
-  callbacks.stop = settings_.stop;
-  Film film = path::render(scene, environment, view, settings, nullptr, callbacks);
+  Film film = path::Tracer(borrowed(scene), environment, shading).render(view, settings, job_);
   check_stop();
   return film;
 }
 
 bool FigureContext::has_opengl() {
-  if (!is_session_tried_) {
-    is_session_tried_ = true;
+  if (!is_device_tried_) {
+    is_device_tried_ = true;
     try {
-      session_ = std::make_unique<raster::Session>();
+      device_ = std::make_shared<raster::Device>();
     } catch (const Error& error) {
-      diagnostics_.warn("what needs OpenGL is left out: " + error.message(), error.where());
+      if (job_.diagnostics != nullptr) {
+        job_.diagnostics->warn("what needs OpenGL is left out: " + error.message(), error.where());
+      }
     }
   }
-  return session_ != nullptr;
+  return device_ != nullptr;
 }
 
 std::optional<Film> FigureContext::draw(const Scene& scene, const Environment& environment, const View& view,
                                         const raster::Settings& settings) {
   check_stop();
   if (!has_opengl()) return std::nullopt;
-  Film film;
-  session_->draw(scene, environment, {view}, settings, diagnostics_,
-                 [&film](std::size_t, Film drawn) { film = std::move(drawn); });
+  raster::Drawer drawer(borrowed(scene), environment, shade::shading_model_candela(), device_);
+  Film film = drawer.render(view, settings, job_);
+  check_stop();
   return film;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,9 +11,9 @@
 #include <variant>
 #include <vector>
 
-#include "base/diagnostics.h"
 #include "image/develop.h"
 #include "image/film.h"
+#include "image/job.h"
 #include "path/render.h"
 #include "raster/render.h"
 #include "scene/scene.h"
@@ -69,21 +68,16 @@ struct FigureInfo {
 /// All figures by chapter.
 std::vector<FigureInfo> figures();
 
-/// Thrown where a figure ends early because FigureSettings::stop was set.
-struct FigureStopped {};
-
 struct FigureSettings {
   int samples = 64;     ///< per pixel of a path traced picture
   int reference = 512;  ///< of a picture that others are measured against
   float size = 1.0f;    ///< scales the width of pictures
-  const std::atomic<bool>* stop = nullptr;
 };
 
 /// What figures share while they are made: renderers, environments, settings.
 class FigureContext {
  public:
-  FigureContext(const FigureSettings& settings, Diagnostics& diagnostics)
-      : settings_(settings), diagnostics_(diagnostics) {}
+  FigureContext(const FigureSettings& settings, const Job& job) : settings_(settings), job_(job) {}
 
   const FigureSettings& settings() const { return settings_; }
   /// A width or height of pixels at this size, at least 8.
@@ -92,20 +86,21 @@ class FigureContext {
   /// make_environment(), once per name.
   const Environment& environment(const std::string& name);
 
-  /// Path traced; throws FigureStopped.
-  Film trace(const Scene& scene, const Environment& environment, const View& view, const path::Settings& settings);
+  /// Path traced; throws Interrupted.
+  Film trace(const Scene& scene, const Environment& environment, const View& view, const path::Settings& settings,
+             const shade::ShadingModel& shading = shade::shading_model_candela());
   /// Drawn by the rasterizer; none where there is no OpenGL, which is warned of once.
   std::optional<Film> draw(const Scene& scene, const Environment& environment, const View& view,
                            const raster::Settings& settings);
   bool has_opengl();
-  void check_stop() const;
+  void check_stop() const;  ///< throws Interrupted
 
  private:
   const FigureSettings& settings_;
-  Diagnostics& diagnostics_;
+  Job job_;  ///< stop and diagnostics
   std::map<std::string, Environment> environments_;
-  std::unique_ptr<raster::Session> session_;
-  bool is_session_tried_ = false;
+  std::shared_ptr<raster::Device> device_;
+  bool is_device_tried_ = false;
 };
 
 // ----- what most figures need

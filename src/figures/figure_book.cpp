@@ -1,5 +1,7 @@
 #include "figures/figure_book.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/error.h"
@@ -56,13 +58,16 @@ std::vector<FigureInfo> choose_figures(const std::vector<std::string>& names) {
 }
 
 BookResult write_figures(const std::filesystem::path& folder, const std::vector<FigureInfo>& chosen,
-                         const FigureSettings& settings, const std::string& note, Diagnostics& diagnostics,
-                         const std::function<void(const BookProgress&)>& progress) {
+                         const FigureSettings& settings, const std::string& note, const Job& job) {
   BookResult result;
-  FigureContext context(settings, diagnostics);
+  // Progress is of figures, not of the pictures in them.
+  FigureContext context(settings, {.stop = job.stop, .diagnostics = job.diagnostics});
+  const Stopwatch watch;
   std::vector<PageFigure> made;
   for (std::size_t i = 0; i < chosen.size() && !result.stopped; ++i) {
-    if (progress) progress({chosen[i].name, i, chosen.size()});
+    job.report({.fraction = static_cast<double>(i) / static_cast<double>(chosen.size()),
+                .seconds = watch.seconds(),
+                .what = fmt::format("figure {} of {}: {}", i + 1, chosen.size(), chosen[i].name)});
     try {
       context.check_stop();
       PageFigure page{chosen[i], chosen[i].make(context), 1};
@@ -72,7 +77,7 @@ BookResult write_figures(const std::filesystem::path& folder, const std::vector<
       const bool has_before = !made.empty() && made.back().info.chapter == page.info.chapter;
       if (has_before) page.number = made.back().number + 1;
       made.push_back(std::move(page));
-    } catch (const FigureStopped&) {
+    } catch (const Interrupted&) {
       result.stopped = true;
     }
   }

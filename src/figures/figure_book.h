@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,16 +9,10 @@
 
 namespace candela::figures {
 
-struct BookProgress {
-  std::string figure;  ///< that begins
-  std::size_t index = 0;
-  std::size_t count = 0;
-};
-
 struct BookResult {
   std::size_t figures = 0;
   std::size_t files = 0;
-  bool stopped = false;  ///< by FigureSettings::stop; what was made by then is there
+  bool stopped = false;  ///< by Job::stop; what was made by then is there
 };
 
 /// The figures of these names, in the order of the book. Throws Error for a name that there is not, with all there are.
@@ -28,7 +21,6 @@ std::vector<FigureInfo> choose_figures(const std::vector<std::string>& names);
 /// Makes figures and writes them into `folder`, which exists: their files, a page per parameter, index.html last. Each
 /// file appears whole or not at all. `note` tells on the pages how they were made. Throws Error.
 BookResult write_figures(const std::filesystem::path& folder, const std::vector<FigureInfo>& chosen,
-                         const FigureSettings& settings, const std::string& note, Diagnostics& diagnostics,
-                         const std::function<void(const BookProgress&)>& progress = {});
+                         const FigureSettings& settings, const std::string& note, const Job& job = {});
 
 }  // namespace candela::figures

@@ -84,7 +84,7 @@ Figure gamma(FigureContext& context) {
   path::Settings settings;
   settings.width = settings.height = side;
   settings.samples = context.settings().samples;
-  settings.background = path::Background::transparent;
+  settings.background = Background::transparent;
   const Image right = clipped(trace_balls(context, materials, settings).beauty);
   for (Material& material : materials) material.base_color = shade::srgb_encode(material.base_color);
   const Image raw = clipped(trace_balls(context, materials, settings).beauty);

@@ -59,15 +59,15 @@ Figure irradiance_map(FigureContext& context) {
       "E(n) = ∫_Ω L_i(l) (n·l) \\text{ d}l"};
   figure.sources = {"de Vries, LearnOpenGL, PBR lighting and Diffuse irradiance",
                     "Ramamoorthi & Hanrahan 2001, An Efficient Representation for Irradiance Environment Maps", kKaris};
-  figure.functions = {"raster::Session::draw", "path::render", "ibl::irradiance_cube"};
+  figure.functions = {"raster::Drawer::render", "path::render", "ibl::irradiance_cube"};
   path::Settings tracing;
   tracing.width = tracing.height = context.pixels(160);
   tracing.samples = 2 * context.settings().samples;
-  tracing.background = path::Background::transparent;
+  tracing.background = Background::transparent;
   raster::Settings drawing;
   drawing.width = drawing.height = tracing.width;
   drawing.frames = 4;
-  drawing.background = raster::Background::transparent;
+  drawing.background = Background::transparent;
   const View view = sphere_view(1);
   const auto traced = [&](const char* environment) {
     return beside(kLampBalls, [&](int i) {
@@ -187,7 +187,7 @@ Figure environment_mips(FigureContext& context) {
   path::Settings settings;
   settings.width = settings.height = side;
   settings.samples = context.settings().reference / 2;
-  settings.background = path::Background::transparent;
+  settings.background = Background::transparent;
   const Film truth = trace_balls(context, materials, settings);
 
   const ibl::Source source = ibl::make_source(studio);

@@ -26,7 +26,7 @@ Figure blinn_phong(FigureContext& context) {
                     "Cook & Torrance 1982, A Reflectance Model for Computer Graphics",
                     "Karis 2013, Real Shading in Unreal Engine 4", "de Vries, LearnOpenGL, PBR",
                     "Ratković 2017, Physically Based Rendering (thesis, Zagreb)"};
-  figure.functions = {"path::render with parse_shading_model"};
+  figure.functions = {"path::Tracer with parse_shading_model"};
   figure.columns = 2;
   const Scene scene = content::make_demo("spheres");
   path::Settings settings;
@@ -46,8 +46,7 @@ Figure blinn_phong(FigureContext& context) {
                                      {"gltf", "gltf: as the specification prints it"},
                                      {"thesis", "thesis: Beckmann"}}};
   for (const Named& named : models) {
-    settings.shading = parse_shading_model(named.model);
-    Film film = context.trace(scene, context.environment("studio"), view, settings);
+    Film film = context.trace(scene, context.environment("studio"), view, settings, parse_shading_model(named.model));
     const bool is_truth = truth.beauty.empty();
     figure.panels.push_back(
         {fmt::format("blinn-phong-{}.png", named.model), develop(film, {.exposure = scene.preferred_exposure}),
@@ -109,7 +108,7 @@ void add_pair(FigureContext& context, Figure& figure, const std::string& name, c
   path::Settings settings;
   settings.width = settings.height = side;
   settings.samples = context.settings().samples;
-  settings.background = path::Background::transparent;
+  settings.background = Background::transparent;
   const Film a = trace_balls(context, first, settings);
   const Film b = trace_balls(context, second, settings);
   figure.panels.push_back({name + "-a.png", develop(a, {.exposure = 1.0f}), captions[0], {}, scale});

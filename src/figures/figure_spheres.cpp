@@ -30,7 +30,7 @@ path::Settings path_settings(const FigureContext& context, int width, int height
   settings.width = width;
   settings.height = height;
   settings.samples = context.settings().samples;
-  settings.background = path::Background::transparent;
+  settings.background = Background::transparent;
   settings.environment_in_glass = true;  // the pages are of any colour
   return settings;
 }
@@ -40,7 +40,7 @@ raster::Settings raster_settings(int width, int height) {
   settings.width = width;
   settings.height = height;
   settings.frames = 4;
-  settings.background = raster::Background::transparent;
+  settings.background = Background::transparent;
   settings.environment_in_glass = true;
   return settings;
 }
@@ -94,7 +94,7 @@ Figure roughness_dielectric(FigureContext& context) {
       "melted into the diffuse colour, and only the rim still shows that there is a boundary."};
   figure.formulas = {"α = r^2"};
   figure.sources = {"Burley 2012, Physically-Based Shading at Disney", kKaris};
-  figure.functions = {"path::render", "raster::Session::draw"};
+  figure.functions = {"path::render", "raster::Drawer::render"};
   figure.commands = {"candela render demo:row-roughness -o row-roughness.png --size 840x140"};
   add_unit_row(context, figure, "roughness-dielectric", [](float r) { return ball(kBlue, 0.0f, r); });
   return figure;
@@ -107,7 +107,7 @@ Figure roughness_metal(FigureContext& context) {
       "has bounced several times between the facets and is the more saturated for it."};
   figure.formulas = {"α = r^2"};
   figure.sources = {"Burley 2012, Physically-Based Shading at Disney", kKaris};
-  figure.functions = {"path::render", "raster::Session::draw"};
+  figure.functions = {"path::render", "raster::Drawer::render"};
   figure.commands = {"candela render demo:row-roughness-metal -o row-roughness-metal.png --size 840x140"};
   add_unit_row(context, figure, "roughness-metal", [](float r) { return ball(kGold, 1.0f, r); });
   return figure;
@@ -141,7 +141,7 @@ Figure metallic_row(FigureContext& context) {
   figure.formulas = {"F_0 = \\op{mix}(0.04, \\op{base colour}, \\op{metallic})",
                      "f = (1 − m) f_{\\op{dielectric}} + m f_{\\op{metal}}"};
   figure.sources = {kGltf, kKaris};
-  figure.functions = {"path::render", "raster::Session::draw"};
+  figure.functions = {"path::render", "raster::Drawer::render"};
   figure.commands = {"candela render demo:row-metallic -o row-metallic.png --size 840x140"};
   add_unit_row(context, figure, "metallic", [](float m) { return ball(kGold, m, 0.25f); });
   return figure;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 
 #include "base/error.h"
 
@@ -98,9 +99,20 @@ std::vector<std::string> sampler_names(GLuint program) {
   return names;
 }
 
+/// Contexts of a display that are open. EGL gives the whole process one display, and ends it for all at once.
+int& users_of(EGLDisplay display) {
+  static std::map<EGLDisplay, int> users;
+  return users[display];
+}
+std::mutex& users_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 }  // namespace
 
 std::unique_ptr<Context> Context::open() {
+  const std::lock_guard lock(users_mutex());
   std::string tried;
   for (const Candidate& candidate : candidates()) {
     std::string failure;
@@ -113,11 +125,12 @@ std::unique_ptr<Context> Context::open() {
           eglCreateContext(candidate.display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes.data());
       if (context != EGL_NO_CONTEXT &&
           eglMakeCurrent(candidate.display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE) {
+        ++users_of(candidate.display);
         return std::unique_ptr<Context>(new Context(candidate.display, context));
       }
       failure = "no OpenGL ES 3.0 (" + hex(static_cast<unsigned>(eglGetError())) + ")";
       if (context != EGL_NO_CONTEXT) eglDestroyContext(candidate.display, context);
-      eglTerminate(candidate.display);
+      if (users_of(candidate.display) == 0) eglTerminate(candidate.display);
     }
     tried += (tried.empty() ? "" : ", ") + candidate.what + ": " + failure;
   }
@@ -125,9 +138,15 @@ std::unique_ptr<Context> Context::open() {
 }
 
 Context::~Context() {
-  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  const std::lock_guard lock(users_mutex());
+  if (eglGetCurrentContext() == context_) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
-  eglTerminate(display_);
+  if (--users_of(display_) == 0) eglTerminate(display_);
+}
+
+bool Context::make_current() {
+  return eglGetCurrentContext() == context_ ||
+         eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_TRUE;
 }
 
 std::string Context::renderer() const {

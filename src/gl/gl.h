@@ -12,7 +12,7 @@
 /// OpenGL ES 3.0, what WebGL 2 has too. Every call needs a Context that is current on the calling thread.
 namespace candela::gl {
 
-/// An OpenGL ES 3.0 context without window or surface, current on the thread that opened it, for as long as it lives.
+/// An OpenGL ES 3.0 context without window or surface, current on the thread that opened it until another one is.
 class Context {
  public:
   /// Tries the surfaceless platform of Mesa, the EGL devices of the machine's drivers, and EGL's default display.
@@ -22,7 +22,10 @@ class Context {
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  /// What the driver calls itself.
+  /// Again, where another one was opened since. False where another thread has it.
+  bool make_current();
+
+  /// What the driver calls itself; while it is current.
   std::string renderer() const;
 
  private:

@@ -43,11 +43,8 @@ std::string number(double v) {
 
 class Baker {
  public:
-  Baker(const Source& source, const BakeSettings& settings, const std::function<void(const BakeProgress&)>& progress)
-      : source_(source),
-        settings_(settings),
-        progress_(progress),
-        steps_((settings.sheen ? 2 : 1) * settings.levels + 2) {}
+  Baker(const Source& source, const BakeSettings& settings, const Job& job)
+      : source_(source), settings_(settings), job_(job), steps_((settings.sheen ? 2 : 1) * settings.levels + 2) {}
 
   /// One cube of levels. The roughness-0 level is the environment itself, which a mirror shows.
   void levels(Lobe lobe, const std::vector<double>& roughness, Cubemap& cube, std::vector<Level>& levels) const {
@@ -140,27 +137,27 @@ class Baker {
   void tell(const std::string& what, bool is_step = true) const {
     StopScope::check();
     if (is_step) ++step_;
-    if (progress_) progress_({what, static_cast<double>(step_ - 1) / steps_});
+    job_.report({.fraction = static_cast<double>(step_ - 1) / steps_, .seconds = watch_.seconds(), .what = what});
   }
 
   const Source& source_;
   const BakeSettings& settings_;
-  const std::function<void(const BakeProgress&)>& progress_;
+  const Job& job_;
+  Stopwatch watch_;
   int steps_;
   mutable int step_ = 0;
 };
 
 }  // namespace
 
-Bake bake(const Source& source, const BakeSettings& settings,
-          const std::function<void(const BakeProgress&)>& progress) {
+Bake bake(const Source& source, const BakeSettings& settings, const Job& job) {
   check(settings);
-  const StopScope scope(settings.stop);
+  const StopScope scope(job.stop);
   const std::vector<double> roughness =
       settings.roughness.empty() ? level_roughness(settings.mapping, settings.levels) : settings.roughness;
   Bake bake;
   bake.flux_in = total_flux(source);
-  const Baker baker(source, settings, progress);
+  const Baker baker(source, settings, job);
   baker.levels(Lobe::ggx, roughness, bake.specular, bake.levels);
   if (settings.sheen) baker.levels(Lobe::charlie, roughness, bake.sheen, bake.sheen_levels);
   bake.flux_out = total_flux(roughness[0] > 0.0 ? cube_from_source(source, settings.size) : bake.specular.levels[0]);

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <atomic>
-#include <functional>
-#include <string>
 #include <vector>
 
 #include "ibl/irradiance.h"
@@ -10,6 +7,7 @@
 #include "ibl/sh.h"
 #include "ibl/sun.h"
 #include "ibl/verify.h"
+#include "image/job.h"
 
 namespace candela::ibl {
 
@@ -25,9 +23,8 @@ struct BakeSettings {
   int irradiance_samples = 1024;
   int sh_order = 2;
   Window window = Window::none;
-  int proof_directions = 16;                ///< per level; 0 = no proof
-  double error = 0.0;                       ///< relative, at the texels; above 0 each level is refined until it holds
-  const std::atomic<bool>* stop = nullptr;  ///< once set, the bake ends with Interrupted
+  int proof_directions = 16;  ///< per level; 0 = no proof
+  double error = 0.0;         ///< relative, at the texels; above 0 each level is refined until it holds
 };
 
 struct Level {
@@ -54,13 +51,8 @@ struct Bake {
   dvec3 flux_out{0.0};
 };
 
-struct BakeProgress {
-  std::string what;       ///< begins
-  double fraction = 0.0;  ///< of the steps, which take unequal times
-};
-
-/// Throws Error for sizes and levels that make no sense, and Interrupted after a stop. `progress` is told what begins.
-Bake bake(const Source& source, const BakeSettings& settings,
-          const std::function<void(const BakeProgress&)>& progress = {});
+/// Throws Error for sizes and levels that make no sense, and Interrupted after a stop. Progress is of the steps, which
+/// take unequal times.
+Bake bake(const Source& source, const BakeSettings& settings, const Job& job = {});
 
 }  // namespace candela::ibl

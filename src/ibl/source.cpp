@@ -7,17 +7,12 @@
 
 #include "base/error.h"
 #include "ibl/cube.h"
+#include "scene/environment.h"
 
 namespace candela::ibl {
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
-
-/// Turned from the environment's own axes into the world.
-vec3 turned(vec3 d, float rotation) {
-  const float c = std::cos(rotation), s = std::sin(rotation);
-  return {c * d.x + s * d.z, d.y, -s * d.x + c * d.z};
-}
 
 }  // namespace
 
@@ -37,12 +32,8 @@ Source make_source(const Environment& environment) {
       source.map.set_rgb(x, y, radiance);
     }
   }
-  for (SunDisc sun : environment.suns) {
-    sun.direction = turned(sun.direction, environment.rotation);
-    sun.radiance *= environment.intensity;
-    most = std::max(most, max_component(sun.radiance));
-    source.suns.push_back(sun);
-  }
+  source.suns = world_suns(environment);
+  for (const SunDisc& sun : source.suns) most = std::max(most, max_component(sun.radiance));
   if (!(most > 0.0f)) throw Error("is black everywhere: there is no light to bake", environment.name);
   return source;
 }

@@ -17,21 +17,22 @@ using shade::SurfaceSample;
 
 class Counter {
  public:
-  Counter(std::size_t total, const Tell& tell) : total_(total), tell_(tell) {}
+  Counter(std::size_t total, const Job& job, std::string what) : total_(total), job_(job), what_(std::move(what)) {}
   void one_more() {
     const std::lock_guard lock(mutex_);
     ++done_;
-    if (tell_) tell_(static_cast<double>(done_) / static_cast<double>(total_));
+    const double share = static_cast<double>(done_) / static_cast<double>(total_);
+    job_.report({.fraction = share, .seconds = watch_.seconds(), .what = what_});
   }
 
  private:
   std::mutex mutex_;
   std::size_t total_;
   std::size_t done_ = 0;
-  const Tell& tell_;
+  const Job& job_;
+  std::string what_;
+  Stopwatch watch_;
 };
-
-bool is_raised(const std::atomic<bool>* stop) { return stop != nullptr && stop->load(); }
 
 bool is_bent(const SurfaceParams& p) { return (p.lobes & shade::kLobeTransmission) != 0 && !p.is_thin; }
 
@@ -45,15 +46,15 @@ bool keeps(const Measurement& m, const Promise& promise, bool is_bent) {
   return m.pdf <= kPdf && m.flaws.count == 0;
 }
 
-std::vector<MatrixRow> law_matrix(bool all, const Tell& tell, const std::atomic<bool>* stop) {
+std::vector<MatrixRow> law_matrix(bool all, const Job& job) {
   constexpr double kTolerance = 5e-5;
   std::vector<NamedSurface> table = law_surfaces();
   if (!all) std::erase_if(table, [](const NamedSurface& row) { return !row.is_core; });
   std::vector<Measurement> measured(table.size());
   std::vector<char> is_measured(table.size(), 0);
-  Counter counter(table.size(), tell);
+  Counter counter(table.size(), job, "measuring");
   parallel_for(0, table.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end && !is_raised(stop); ++i) {
+    for (std::size_t i = begin; i < end && !job.is_stopped(); ++i) {
       is_measured[i] = 1;
       measured[i] = measure(real_bsdf(table[i].params), kTolerance);
       counter.one_more();
@@ -179,7 +180,7 @@ std::vector<std::string> furnace_sheet_rows() {
   return rows;
 }
 
-Image furnace_sheet(const Tell& tell, const std::atomic<bool>* stop) {
+Image furnace_sheet(const Job& job) {
   const std::vector<NamedSurface> materials = sheet_materials();
   const int rows = static_cast<int>(materials.size());
   Image sheet(kColumns * kCell, rows * kCell + kStrip, 3);
@@ -190,12 +191,12 @@ Image furnace_sheet(const Tell& tell, const std::atomic<bool>* stop) {
   }
 
   const auto cells = static_cast<std::size_t>(rows * kColumns);
-  Counter counter(cells, tell);
+  Counter counter(cells, job, "drawing");
   parallel_for(0, cells, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t cell = begin; cell < end; ++cell) {
       const int row = static_cast<int>(cell) / kColumns;
       const int column = static_cast<int>(cell) % kColumns;
-      if (is_raised(stop)) {
+      if (job.is_stopped()) {
         blacken(sheet, column * kCell, row * kCell);
         continue;
       }

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <atomic>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "image/image.h"
+#include "image/job.h"
 #include "laws/laws.h"
 #include "laws/surfaces.h"
 
@@ -20,21 +19,18 @@ struct MatrixRow {
   bool holds = true;  ///< within what is promised
 };
 
-/// Called now and then with the share of the work that is done; from any thread, one at a time.
-using Tell = std::function<void(double share)>;
-
-/// Measures lobes alone and typical surfaces, or with `all` every row of the table, on all threads. Once `stop` is set
-/// it ends with the groups of which every surface is measured.
-std::vector<MatrixRow> law_matrix(bool all, const Tell& tell, const std::atomic<bool>* stop = nullptr);
+/// Measures lobes alone and typical surfaces, or with `all` every row of the table, on all threads, from which
+/// it reports. After a stop it ends with the groups of which every surface is measured.
+std::vector<MatrixRow> law_matrix(bool all, const Job& job = {});
 
 /// Whether a measurement keeps a promise. What single precision and quadrature cannot tell is forgiven.
 bool keeps(const Measurement& measurement, const Promise& promise, bool is_bent);
 
 /// White spheres in a white furnace, one row per material and roughness 0 to 1 from left to right. What returns all
 /// light cannot be told from the background. Tenfold amplified, light that is lost is blue and light that is made red;
-/// the strip below runs from 10 % lost to 10 % gained. Encoded sRGB values in [0, 1]. Spheres that are not drawn when
-/// `stop` is set are black.
-Image furnace_sheet(const Tell& tell, const std::atomic<bool>* stop = nullptr);
+/// the strip below runs from 10 % lost to 10 % gained. Encoded sRGB values in [0, 1]. Spheres that are not drawn after
+/// a stop are black.
+Image furnace_sheet(const Job& job = {});
 /// The materials of its rows, from the top.
 std::vector<std::string> furnace_sheet_rows();
 

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "math/box.h"
 #include "math/position_hash.h"
 #include "path/surface_point.h"
 
@@ -127,9 +128,7 @@ void measure(const std::vector<Placement>& placements, Boxes& boxes, Part& part)
     if (is_new) {
       for (const ShadeVertex& v : placement.mesh->vertices) box.extend(v.position);
     }
-    for (int corner = 0; corner < 8; ++corner) {
-      const vec3 p((corner & 1) != 0 ? box.upper.x : box.lower.x, (corner & 2) != 0 ? box.upper.y : box.lower.y,
-                   (corner & 4) != 0 ? box.upper.z : box.lower.z);
+    for (const vec3 p : corners(box)) {
       part.bounds.extend(placement.is_world ? p : transform_point(placement.world_from_object, p));
     }
   }

@@ -1,5 +1,6 @@
 #include "path/capture.h"
 
+#include "base/error.h"
 #include "math/hash.h"
 #include "path/statistics.h"
 #include "shade/cube.glsl.h"
@@ -28,39 +29,25 @@ Settings face_settings(const Settings& settings, int face, int size) {
   s.filter = PixelFilter::box;  // what is beyond a texel belongs to its neighbour
   s.filter_radius = 0.0f;
   s.background = Background::environment;
+  s.sees_backdrop = false;
   s.layers.clear();
   s.seed = hash_combine(settings.seed, static_cast<std::uint32_t>(face));
   if (settings.time_limit_s) s.time_limit_s = *settings.time_limit_s / kFaces;
   return s;
 }
 
-/// Progress of one face as that of the whole.
-Callbacks face_callbacks(const Callbacks& callbacks, int face, double seconds_before) {
-  Callbacks c;
-  c.stop = callbacks.stop;
-  if (!callbacks.progress) return c;
-  c.progress = [&callbacks, face, seconds_before](const Progress& of_face) {
-    Progress p = of_face;
-    p.fraction = (face + of_face.fraction) / kFaces;
-    p.seconds += seconds_before;
-    p.remaining_s = p.fraction > 0.0 ? std::optional(p.seconds * (1.0 - p.fraction) / p.fraction) : std::nullopt;
-    callbacks.progress(p);
-  };
-  return c;
-}
-
 }  // namespace
 
-Cubemap capture_environment(const Scene& scene, const Environment& environment, vec3 position, int size,
-                            const Settings& settings, Statistics* statistics, const Callbacks& callbacks) {
-  Environment light = environment;
-  light.backdrop = nullptr;
+Cubemap capture_environment(const Tracer& tracer, vec3 position, int size, const Settings& settings, const Job& job,
+                            Statistics* statistics) {
   Statistics total;
   Cubemap cube;
-  for (int face = 0; face < kFaces && !total.interrupted; ++face) {
+  const JobParts faces(job, kFaces);
+  for (int face = 0; face < kFaces; ++face) {
     Statistics of_face;
-    const Film film = render(scene, light, face_view(face, position), face_settings(settings, face, size), &of_face,
-                             face_callbacks(callbacks, face, total.render_s));
+    const Film film = tracer.render(face_view(face, position), face_settings(settings, face, size),
+                                    faces.part(static_cast<std::size_t>(face)), &of_face);
+    if (of_face.interrupted) throw Interrupted("while a scene was captured");
     if (cube.empty()) cube.levels.push_back(make_cube_faces(size));
     Image& image = cube.levels[0][static_cast<std::size_t>(face)];
     for (int y = 0; y < size; ++y)

@@ -10,10 +10,9 @@ namespace candela::path {
 /// and a studio's lamps included, never a backdrop. Point and spot lights have no size and are not seen.
 ///
 /// Of `settings` the picture's size, filter, layers and background do not count; a time limit is shared by the faces.
-/// `statistics` adds up the faces. After a stop it says `interrupted`, and faces that were not begun are black. The
-/// result depends on the arguments alone, never on the number of threads. Throws Error as render() does.
-Cubemap capture_environment(const Scene& scene, const Environment& environment, vec3 position, int size,
-                            const Settings& settings, Statistics* statistics = nullptr,
-                            const Callbacks& callbacks = {});
+/// `statistics` adds up the faces. Throws Interrupted after a stop, Error as Tracer::render does. The result depends on
+/// the arguments alone, never on the number of threads.
+Cubemap capture_environment(const Tracer& tracer, vec3 position, int size, const Settings& settings,
+                            const Job& job = {}, Statistics* statistics = nullptr);
 
 }  // namespace candela::path

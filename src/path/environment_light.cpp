@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/check.h"
+#include "scene/environment.h"
 
 namespace candela::path {
 
@@ -50,14 +51,14 @@ EnvironmentLight::EnvironmentLight(const Environment& environment) {
   constant_ = environment.constant * environment.intensity;
   flux_ = 4.0f * kPi * luminance(constant_);
 
-  for (const SunDisc& disc : environment.suns) {
+  for (const SunDisc& disc : world_suns(environment)) {
     if (max_component(disc.radiance) <= 0.0f || disc.angular_radius <= 0.0f) continue;
     Sun sun;
-    sun.frame = frame_from_normal(glm::normalize(world_from_map(disc.direction)));
+    sun.frame = frame_from_normal(glm::normalize(disc.direction));
     sun.sin2_radius = std::pow(std::sin(disc.angular_radius), 2.0f);
     // 2π (1 - cos r) without cancellation for a sun half a degree wide.
     sun.solid_angle = 4.0f * kPi * std::pow(std::sin(0.5f * disc.angular_radius), 2.0f);
-    sun.radiance = disc.radiance * environment.intensity;
+    sun.radiance = disc.radiance;
     suns_.push_back(sun);
   }
 

@@ -19,6 +19,8 @@ PathSample background_sample(const PathContext& context, vec3 direction) {
   const EnvironmentLight& environment = context.lights.environment();
   if (!context.sees_lamps) {
     sample.radiance = environment.read(environment.locate(direction)).radiance;
+  } else if (!context.sees_backdrop) {
+    sample.radiance = environment.radiance(direction, environment.locate(direction));
   } else if (context.background == Background::environment) {
     sample.radiance = environment.background(direction);
   } else {

@@ -14,6 +14,7 @@ struct PathContext {
   Background background = Background::environment;
   bool background_in_glass = false;  ///< what the camera sees through glass is a transparent background too
   bool sees_lamps = true;
+  bool sees_backdrop = true;
   bool has_media = true;           ///< whether any material bounds a body; false leaves out what only bodies need
   MediumStack start{};             ///< the bodies that the eye is in
   bool eye_is_wide = false;        ///< camera rays start at many places, some perhaps in bodies: `start` is none's

@@ -1,9 +1,11 @@
 #include "path/render.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -17,13 +19,9 @@ namespace candela::path {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-constexpr int kTile = 16;         ///< pixels; a tile is the unit of parallel work
-constexpr int kBlock = 4;         ///< a packet is 4 × 4 pixels
-constexpr int kPassSamples = 16;  ///< per pixel between two looks at the error
+constexpr int kTile = 16;                   ///< pixels; a tile is the unit of parallel work
+constexpr int kBlock = 4;                   ///< a packet is 4 × 4 pixels
+constexpr std::uint32_t kPassSamples = 16;  ///< per pixel between two looks at the error
 
 struct Totals {
   std::atomic<std::uint64_t> samples{0}, camera{0}, bounce{0}, shadow{0}, non_finite{0};
@@ -40,19 +38,65 @@ bool shows_background_in_glass(const Scene& scene, const Settings& settings) {
                      [](const Material& m) { return m.transmission > 0.0f && !m.unlit; });
 }
 
-/// One rendering: owns what the passes share.
-class Job {
+void check_settings(const Settings& s) {
+  constexpr int kMaxSize = 65536;
+  if (s.width < 1 || s.height < 1 || s.width > kMaxSize || s.height > kMaxSize)
+    throw Error("picture size out of range");
+  if (s.samples < 1) throw Error("at least one sample per pixel is needed");
+  if (s.bounces < 0) throw Error("the number of bounces is negative");
+  if (s.noise && !(*s.noise > 0.0f)) throw Error("the noise target must be above 0");
+  if (s.time_limit_s && !(*s.time_limit_s > 0.0)) throw Error("the time limit must be above 0");
+}
+
+void check_view(const View& view) {
+  constexpr float kFarthest = 1e15f;  // metres; Embree's arithmetic ends at 1.8e18
+  for (int c = 0; c < 4; ++c) {
+    for (int row = 0; row < 4; ++row) {
+      if (!(std::abs(view.world_from_camera[c][row]) < kFarthest)) throw Error("the camera is out of range");
+    }
+  }
+}
+
+const Settings& checked(const Settings& settings) {
+  check_settings(settings);
+  return settings;
+}
+
+const Scene& validated(const std::shared_ptr<const Scene>& scene) {
+  validate(*scene);
+  return *scene;
+}
+
+}  // namespace
+
+struct Tracer::Parts {
+  Parts(std::shared_ptr<const Scene> made_of, const Environment& environment, const shade::ShadingModel& shading)
+      : scene(std::move(made_of)),
+        geometry(validated(scene), shading),
+        lights(*scene, environment, geometry),
+        build_s(watch.seconds()) {}
+
+  Stopwatch watch;
+  std::shared_ptr<const Scene> scene;
+  Geometry geometry;
+  Lights lights;
+  double build_s;
+};
+
+/// Owns what the passes of a picture share.
+class Picture::Impl {
  public:
-  Job(const Scene& scene, const Environment& environment, const View& view, const Settings& settings)
-      : settings_(settings),
-        geometry_(scene, settings.shading),
-        lights_(scene, environment, geometry_),
+  Impl(std::shared_ptr<const Tracer::Parts> traced, const View& view, const Settings& settings)
+      : parts_(std::move(traced)),
+        settings_(checked(settings)),
+        geometry_(parts_->geometry),
         context_{geometry_,
-                 lights_,
+                 parts_->lights,
                  settings.bounces,
                  settings.background,
-                 shows_background_in_glass(scene, settings),
+                 shows_background_in_glass(*parts_->scene, settings),
                  settings.sees_lamps,
+                 settings.sees_backdrop,
                  geometry_.has_media()},
         camera_(view, settings.width, settings.height),
         pinhole_(without_lens(view), settings.width, settings.height),
@@ -64,8 +108,9 @@ class Job {
     find_start();
   }
 
-  void run(const Callbacks& callbacks, Statistics& statistics);
+  void trace(std::uint32_t limit, const Job& job);
   Film film() const;
+  Statistics statistics() const;
 
  private:
   void render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_sample);
@@ -74,18 +119,23 @@ class Job {
   void find_start();
   void find_converged();
   NoiseReached noise_reached() const;
-  bool run_pass(std::uint32_t first_sample, std::uint32_t last_sample, const Callbacks& callbacks);
-  bool must_stop(const Callbacks& callbacks) const;
-  void report(const Callbacks& callbacks);
+  bool is_complete() const;
+  std::uint32_t next_look() const;
+  void run_pass(const Job& job);
+  bool must_stop(const Job& job) const;
+  void report(const Job& job);
   void trace_centre_layers(Film& film) const;
   std::uint32_t pixel_seed(int x, int y) const {
     return hash_combine(hash_combine(settings_.seed, static_cast<std::uint32_t>(x)), static_cast<std::uint32_t>(y));
   }
   std::size_t pixel_count() const { return converged_.size(); }
+  double mean_samples() const {
+    return static_cast<double>(totals_.samples.load()) / static_cast<double>(pixel_count());
+  }
 
+  std::shared_ptr<const Tracer::Parts> parts_;
   Settings settings_;
-  Geometry geometry_;
-  Lights lights_;
+  const Geometry& geometry_;
   PathContext context_;
   Camera camera_;
   Camera pinhole_;  ///< through the middle of the lens: a polygon's numbers (½, ½) are not its middle
@@ -95,15 +145,23 @@ class Job {
   std::size_t converged_count_ = 0;
   int tiles_x_;
   int tiles_y_;
-  int chunk_ = 64;         ///< tiles between two looks at the clock
-  double fraction_ = 0.0;  ///< of the work, as last reported
+  std::uint32_t done_ = 0;       ///< samples of every pixel that is not converged
+  std::uint32_t pass_end_ = 0;   ///< the same after the pass at hand
+  int next_tile_ = 0;            ///< of that pass
+  int chunk_ = 64;               ///< tiles between two looks at the clock
+  std::uint32_t limit_ = 0;      ///< of the call at hand
+  double samples_before_ = 0.0;  ///< the mean at its beginning
+  double fraction_ = 0.0;        ///< of its work, as last reported
+  bool interrupted_ = false;
+  bool timed_out_ = false;
+  double render_s_ = 0.0;  ///< of the calls before
   Totals totals_;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point last_partial_ = Clock::now();
+  Stopwatch watch_;          ///< of the call at hand
+  Stopwatch partial_watch_;  ///< since the last partial picture
 };
 
 /// What camera rays begin in, and how their layers are found.
-void Job::find_start() {
+void Picture::Impl::find_start() {
   const Box3 eye = camera_.origins();
   if (eye.lower == eye.upper) {
     context_.start = bodies_around(geometry_, eye.lower);
@@ -116,8 +174,8 @@ void Job::find_start() {
       is_by_chance && (settings_.layers.contains(Layer::albedo) || settings_.layers.contains(Layer::normal));
 }
 
-void Job::render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t last_sample, RayCounts& counts,
-                       std::uint64_t& samples, std::uint64_t& non_finite) {
+void Picture::Impl::render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t last_sample, RayCounts& counts,
+                                 std::uint64_t& samples, std::uint64_t& non_finite) {
   RayPacket packet;
   SobolSampler samplers[RayPacket::kSize];
   float weights[RayPacket::kSize];
@@ -161,7 +219,7 @@ void Job::render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t l
   }
 }
 
-void Job::render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_sample) {
+void Picture::Impl::render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_sample) {
   const ivec2 corner = ivec2(tile % tiles_x_, tile / tiles_x_) * kTile;
   RayCounts counts;
   std::uint64_t samples = 0;
@@ -180,7 +238,7 @@ void Job::render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_s
 
 /// A pixel stops when it and its eight neighbours are below the target: a lone pixel that has met no highlight yet must
 /// not freeze beside one that has.
-void Job::find_converged() {
+void Picture::Impl::find_converged() {
   const Accumulator::Reference reference = accumulator_.reference();
   const auto w = static_cast<std::size_t>(settings_.width);
   std::vector<std::uint8_t> good(pixel_count());
@@ -207,7 +265,7 @@ void Job::find_converged() {
   }
 }
 
-NoiseReached Job::noise_reached() const {
+NoiseReached Picture::Impl::noise_reached() const {
   const Accumulator::Reference reference = accumulator_.reference();
   NoiseReached reached;
   std::size_t above = 0;
@@ -222,14 +280,13 @@ NoiseReached Job::noise_reached() const {
   return reached;
 }
 
-void Job::report(const Callbacks& callbacks) {
-  if (callbacks.progress) {
+void Picture::Impl::report(const Job& job) {
+  if (job.progress) {
     Progress p;
-    p.seconds = seconds_since(start_);
-    const auto samples = static_cast<double>(totals_.samples.load());
-    p.mean_samples = samples / static_cast<double>(pixel_count());
-    p.samples_per_second = p.seconds > 0.0 ? samples / p.seconds : 0.0;
-    p.fraction = p.mean_samples / settings_.samples;
+    p.seconds = watch_.seconds();
+    p.samples_per_pixel = mean_samples();
+    const double fresh = p.samples_per_pixel - samples_before_;
+    p.fraction = fresh / std::max(limit_ - samples_before_, 1e-9);
     if (settings_.noise) {
       p.fraction = std::max(p.fraction, static_cast<double>(converged_count_) / static_cast<double>(pixel_count()));
     }
@@ -237,77 +294,100 @@ void Job::report(const Callbacks& callbacks) {
     // A pixel may lose its convergence again; the bar does not go back.
     p.fraction = fraction_ = std::clamp(p.fraction, fraction_, 1.0);
     if (p.fraction > 0.0) p.remaining_s = p.seconds * (1.0 - p.fraction) / p.fraction;
-    callbacks.progress(p);
+    const double rate = fresh * static_cast<double>(pixel_count()) / std::max(p.seconds, 1e-9);
+    p.what = fmt::format("{:.0f} spp  {:.2f} Msamples/s", p.samples_per_pixel, rate * 1e-6);
+    job.progress(p);
   }
-  if (callbacks.partial && seconds_since(last_partial_) >= callbacks.partial_interval_s) {
-    callbacks.partial(film());
-    last_partial_ = Clock::now();
+  if (job.partial && partial_watch_.seconds() >= job.partial_interval_s) {
+    job.partial(film());
+    partial_watch_ = {};
   }
 }
 
-bool Job::must_stop(const Callbacks& callbacks) const {
-  return (callbacks.stop != nullptr && callbacks.stop->load()) ||
-         (settings_.time_limit_s && seconds_since(start_) >= *settings_.time_limit_s);
+bool Picture::Impl::must_stop(const Job& job) const {
+  return job.is_stopped() || (settings_.time_limit_s && watch_.seconds() >= *settings_.time_limit_s);
 }
 
-/// False when the work has to stop.
-bool Job::run_pass(std::uint32_t first_sample, std::uint32_t last_sample, const Callbacks& callbacks) {
+bool Picture::Impl::is_complete() const {
+  return next_tile_ == 0 && (done_ >= limit_ || converged_count_ == pixel_count());
+}
+
+/// 1, 4, 16, then sixteen at a time: an early first picture, then steady looks at the error. They are at the same
+/// numbers of samples however often the work is taken up again.
+std::uint32_t Picture::Impl::next_look() const {
+  if (done_ == 0) return 1;
+  if (done_ < kPassSamples) return std::min(4 * done_, kPassSamples);
+  return (done_ / kPassSamples + 1) * kPassSamples;
+}
+
+/// What is left of the pass at hand, or as much of it as there is time for.
+void Picture::Impl::run_pass(const Job& job) {
   constexpr double kLookEvery = 0.25;  // seconds: how late Ctrl-C, a time limit and the progress bar may be
   const int tiles = tiles_x_ * tiles_y_;
-  for (int begin = 0; begin < tiles;) {
-    const int end = std::min(begin + chunk_, tiles);
-    const auto chunk_start = Clock::now();
-    parallel_for(static_cast<std::size_t>(begin), static_cast<std::size_t>(end), 1,
+  while (next_tile_ < tiles) {
+    const int begin = next_tile_;
+    next_tile_ = std::min(begin + chunk_, tiles);
+    const Stopwatch watch;
+    parallel_for(static_cast<std::size_t>(begin), static_cast<std::size_t>(next_tile_), 1,
                  [&](std::size_t first, std::size_t last) {
                    for (std::size_t tile = first; tile < last; ++tile)
-                     render_tile(static_cast<int>(tile), first_sample, last_sample);
+                     render_tile(static_cast<int>(tile), done_, pass_end_);
                  });
-    const double rate = static_cast<double>(end - begin) / std::max(seconds_since(chunk_start), 1e-6);
-    chunk_ = std::clamp(static_cast<int>(rate * kLookEvery), 16, tiles);
-    begin = end;
-    report(callbacks);
+    const double rate = static_cast<double>(next_tile_ - begin) / std::max(watch.seconds(), 1e-6);
+    chunk_ = std::clamp(static_cast<int>(rate * kLookEvery), 16, std::max(tiles, 16));
+    report(job);
     // The first pass is always whole, so that no part of the picture is missing.
-    if (first_sample > 0 && must_stop(callbacks)) return false;
+    if (done_ > 0 && must_stop(job)) return;
   }
-  return !must_stop(callbacks);
 }
 
-void Job::run(const Callbacks& callbacks, Statistics& statistics) {
-  start_ = last_partial_ = Clock::now();
-  const auto limit = static_cast<std::uint32_t>(settings_.samples);
-  // 1, 4, 16, then sixteen at a time: an early first picture, then steady looks at the error.
-  for (std::uint32_t done = 0; done < limit;) {
-    const std::uint32_t next = std::min(limit, done == 0 ? 1U : done < kPassSamples ? done * 4U : done + kPassSamples);
-    if (!run_pass(done, next, callbacks)) {
-      statistics.interrupted = callbacks.stop != nullptr && callbacks.stop->load();
-      statistics.timed_out = !statistics.interrupted;
+void Picture::Impl::trace(std::uint32_t limit, const Job& job) {
+  watch_ = partial_watch_ = {};
+  limit_ = limit;
+  samples_before_ = mean_samples();
+  fraction_ = 0.0;
+  interrupted_ = timed_out_ = false;
+  while (!is_complete()) {
+    if (next_tile_ == 0) pass_end_ = std::min(limit, next_look());
+    run_pass(job);
+    if (next_tile_ == tiles_x_ * tiles_y_) {
+      done_ = pass_end_;
+      next_tile_ = 0;
+      if (settings_.noise && done_ % kPassSamples == 0) find_converged();
+    }
+    if (!is_complete() && must_stop(job)) {
+      interrupted_ = job.is_stopped();
+      timed_out_ = !interrupted_;
       break;
     }
-    done = next;
-    if (settings_.noise && done >= kPassSamples) {
-      find_converged();
-      if (converged_count_ == pixel_count()) break;
-    }
   }
-  if (!statistics.interrupted) {
+  if (!interrupted_) {
     fraction_ = 1.0;
-    report(callbacks);
+    report(job);
   }
-  statistics.render_s = seconds_since(start_);
-  if (settings_.noise) statistics.noise = noise_reached();
-  statistics.samples = totals_.samples;
-  statistics.camera_rays = totals_.camera;
-  statistics.bounce_rays = totals_.bounce;
-  statistics.shadow_rays = totals_.shadow;
-  statistics.non_finite_samples = totals_.non_finite;
-  statistics.triangles = geometry_.triangle_count();
-  statistics.instances = geometry_.instance_count();
-  statistics.mean_samples_per_pixel = static_cast<double>(totals_.samples.load()) / static_cast<double>(pixel_count());
+  render_s_ += watch_.seconds();
+}
+
+Statistics Picture::Impl::statistics() const {
+  Statistics s;
+  s.render_s = render_s_;
+  if (settings_.noise) s.noise = noise_reached();
+  s.samples = totals_.samples;
+  s.camera_rays = totals_.camera;
+  s.bounce_rays = totals_.bounce;
+  s.shadow_rays = totals_.shadow;
+  s.non_finite_samples = totals_.non_finite;
+  s.triangles = geometry_.triangle_count();
+  s.instances = geometry_.instance_count();
+  s.mean_samples_per_pixel = mean_samples();
+  s.interrupted = interrupted_;
+  s.timed_out = timed_out_;
+  return s;
 }
 
 /// Depth, position and object id are those of the pixel's centre: their mean across an edge would be a place where
 /// nothing is.
-void Job::trace_centre_layers(Film& film) const {
+void Picture::Impl::trace_centre_layers(Film& film) const {
   const bool depth = settings_.layers.contains(Layer::depth);
   const bool position = settings_.layers.contains(Layer::position);
   const bool id = settings_.layers.contains(Layer::object_id);
@@ -333,33 +413,12 @@ void Job::trace_centre_layers(Film& film) const {
   });
 }
 
-Film Job::film() const {
+Film Picture::Impl::film() const {
   Film film;
   accumulator_.resolve(film);
   trace_centre_layers(film);
   return film;
 }
-
-void check_settings(const Settings& s) {
-  constexpr int kMaxSize = 65536;
-  if (s.width < 1 || s.height < 1 || s.width > kMaxSize || s.height > kMaxSize)
-    throw Error("picture size out of range");
-  if (s.samples < 1) throw Error("at least one sample per pixel is needed");
-  if (s.bounces < 0) throw Error("the number of bounces is negative");
-  if (s.noise && !(*s.noise > 0.0f)) throw Error("the noise target must be above 0");
-  if (s.time_limit_s && !(*s.time_limit_s > 0.0)) throw Error("the time limit must be above 0");
-}
-
-void check_view(const View& view) {
-  constexpr float kFarthest = 1e15f;  // metres; Embree's arithmetic ends at 1.8e18
-  for (int c = 0; c < 4; ++c) {
-    for (int row = 0; row < 4; ++row) {
-      if (!(std::abs(view.world_from_camera[c][row]) < kFarthest)) throw Error("the camera is out of range");
-    }
-  }
-}
-
-}  // namespace
 
 std::uint64_t picture_bytes(const Settings& settings) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
@@ -367,17 +426,41 @@ std::uint64_t picture_bytes(const Settings& settings) {
   return pixels * (Accumulator::bytes_per_pixel(settings) + flags + film_bytes_per_pixel(settings.layers));
 }
 
+Tracer::Tracer(std::shared_ptr<const Scene> scene, const Environment& environment, const shade::ShadingModel& shading)
+    : parts_(std::make_shared<const Parts>(std::move(scene), environment, shading)) {}
+
+Tracer::Tracer(Scene scene, const Environment& environment, const shade::ShadingModel& shading)
+    : Tracer(std::make_shared<const Scene>(std::move(scene)), environment, shading) {}
+
+const Scene& Tracer::scene() const { return *parts_->scene; }
+double Tracer::build_s() const { return parts_->build_s; }
+
+Film Tracer::render(const View& view, const Settings& settings, const Job& job, Statistics* statistics) const {
+  Picture picture(*this, view, settings);
+  picture.trace(settings.samples, job);
+  if (statistics != nullptr) *statistics = picture.statistics();
+  return picture.film();
+}
+
+Picture::Picture(const Tracer& tracer, const View& view, const Settings& settings) {
+  check_view(view);
+  impl_ = std::make_unique<Impl>(tracer.parts_, view, settings);
+}
+Picture::~Picture() = default;
+void Picture::trace(int samples, const Job& job) {
+  impl_->trace(static_cast<std::uint32_t>(std::max(samples, 0)), job);
+}
+Film Picture::film() const { return impl_->film(); }
+Statistics Picture::statistics() const { return impl_->statistics(); }
+
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
-            Statistics* statistics, const Callbacks& callbacks) {
+            const Job& job, Statistics* statistics) {
   check_settings(settings);
   check_view(view);
-  Statistics local;
-  const auto start = Clock::now();
-  Job job(scene, environment, view, settings);
-  local.build_s = seconds_since(start);
-  job.run(callbacks, local);
-  if (statistics != nullptr) *statistics = local;
-  return job.film();
+  const Tracer tracer(borrowed(scene), environment);
+  Film film = tracer.render(view, settings, job, statistics);
+  if (statistics != nullptr) statistics->build_s = tracer.build_s();
+  return film;
 }
 
 }  // namespace candela::path

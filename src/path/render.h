@@ -1,13 +1,12 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <optional>
 #include <set>
-#include <variant>
 
 #include "image/film.h"
+#include "image/job.h"
 #include "scene/scene.h"
 #include "scene/view.h"
 #include "shade/model.glsl.h"
@@ -19,10 +18,6 @@ enum class Integrator {
   full,    ///< next-event estimation with multiple importance sampling
   minimal  ///< samples the material only: same mean, more noise; the reading ladder and the test oracle
 };
-
-/// What a camera ray sees that hits nothing, or nothing but glass that it passes. A plain colour is `transparent` with
-/// DevelopSettings::background.
-enum class Background { environment, transparent };
 
 struct Settings {
   int width = 1280;
@@ -41,16 +36,9 @@ struct Settings {
   /// False: what camera rays see is lit by lamps and suns, but they are not in the picture (for probes, beside which
   /// lamps light on their own).
   bool sees_lamps = true;
-  shade::ShadingModel shading = shade::shading_model_candela();
+  /// False: past the scene camera rays see the environment that lights it, whatever its backdrop.
+  bool sees_backdrop = true;
   std::set<Layer> layers{};
-};
-
-struct Progress {
-  double fraction = 0.0;      ///< of the work, estimated when a time or noise stop is set
-  double seconds = 0.0;       ///< since rendering began
-  double mean_samples = 0.0;  ///< per pixel so far
-  double samples_per_second = 0.0;
-  std::optional<double> remaining_s;
 };
 
 /// How near a picture came to Settings::noise.
@@ -60,7 +48,7 @@ struct NoiseReached {
 };
 
 struct Statistics {
-  double build_s = 0.0;  ///< acceleration structure and light tables
+  double build_s = 0.0;  ///< of the tracers that were made for it
   double render_s = 0.0;
   std::uint64_t samples = 0;  ///< camera samples
   std::uint64_t camera_rays = 0;
@@ -70,26 +58,63 @@ struct Statistics {
   std::uint64_t triangles = 0;           ///< stored once per mesh
   std::uint64_t instances = 0;
   double mean_samples_per_pixel = 0.0;
-  bool interrupted = false;           ///< stopped by `Callbacks::stop`
-  bool timed_out = false;             ///< stopped by `Settings::time_limit_s`
+  bool interrupted = false;           ///< stopped by Job::stop
+  bool timed_out = false;             ///< stopped by Settings::time_limit_s
   std::optional<NoiseReached> noise;  ///< where a target was set
-};
-
-struct Callbacks {
-  std::function<void(const Progress&)> progress;  ///< called from one thread, a few times a second
-  /// Called from one thread with the picture so far, every `partial_interval_s` on renders longer than that.
-  std::function<void(Film)> partial;
-  double partial_interval_s = 5.0;
-  const std::atomic<bool>* stop = nullptr;  ///< set to end early with what there is
 };
 
 /// Most bytes that the picture takes while it is rendered, the film in the caller's hands included; the scene comes to
 /// that.
 std::uint64_t picture_bytes(const Settings& settings);
 
-/// Renders `scene` under `environment`. The result depends on the arguments alone, never on the number of threads
-/// (with a time limit it depends on how many passes fitted).
+/// A scene under its light, made ready to be traced: acceleration structure, light tables, materials with their
+/// textures. Pictures may be made of it from several threads at once.
+class Tracer {
+ public:
+  /// Throws Error for a scene that validate() refuses.
+  Tracer(std::shared_ptr<const Scene> scene, const Environment& environment,
+         const shade::ShadingModel& shading = shade::shading_model_candela());
+  Tracer(Scene scene, const Environment& environment,
+         const shade::ShadingModel& shading = shade::shading_model_candela());
+
+  /// The picture that a view has. The result depends on the arguments alone, never on the number of threads (with a
+  /// time limit it depends on how many passes fitted). Throws Error for settings and views that make no sense.
+  Film render(const View& view, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr) const;
+
+  const Scene& scene() const;
+  double build_s() const;  ///< that it took to make it
+
+ private:
+  friend class Picture;
+  struct Parts;
+  std::shared_ptr<const Parts> parts_;
+};
+
+/// A picture that can go on: samples come to those that are there. Keeps alive what its tracer holds.
+class Picture {
+ public:
+  /// Throws Error as Tracer::render does.
+  Picture(const Tracer& tracer, const View& view, const Settings& settings);
+  ~Picture();
+  Picture(const Picture&) = delete;
+  Picture& operator=(const Picture&) = delete;
+
+  /// Traces until every pixel has `samples`, or as many as Settings::noise asks for; those that are there count, also
+  /// those of a pass that was stopped. The picture is that of one call with as many samples. Settings::time_limit_s is
+  /// for each call, Settings::samples for none.
+  void trace(int samples, const Job& job = {});
+
+  /// What there is.
+  Film film() const;
+  Statistics statistics() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// One picture by a Tracer of its own. `scene` is not copied. Throws Error.
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
-            Statistics* statistics = nullptr, const Callbacks& callbacks = {});
+            const Job& job = {}, Statistics* statistics = nullptr);
 
 }  // namespace candela::path

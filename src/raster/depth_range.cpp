@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "math/box.h"
+
 namespace candela::raster {
 
 namespace {
@@ -65,12 +67,8 @@ void extend_seen(const Window& window, const std::array<vec3, 3>& triangle, vec2
 }
 
 std::array<vec3, 8> corners(const mat4& camera_from_world, const Box3& b) {
-  std::array<vec3, 8> all;
-  for (std::size_t i = 0; i < 8; ++i) {
-    all[i] =
-        transform_point(camera_from_world, {(i & 1) != 0 ? b.upper.x : b.lower.x, (i & 2) != 0 ? b.upper.y : b.lower.y,
-                                            (i & 4) != 0 ? b.upper.z : b.lower.z});
-  }
+  std::array<vec3, 8> all = corners(b);
+  for (vec3& p : all) p = transform_point(camera_from_world, p);
   return all;
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "ibl/source.h"
+#include "math/box.h"
+#include "scene/environment.h"
 #include "scene/view.h"
 #include "shade/surface_base.glsl.h"
 
@@ -70,15 +72,6 @@ Entry sun_light(const SunDisc& sun) {
   e.half_angle = sun.angular_radius;
   e.is_sun = true;
   return e;
-}
-
-std::array<vec3, 8> corners(const Box3& b) {
-  std::array<vec3, 8> all;
-  for (std::size_t i = 0; i < 8; ++i) {
-    all[i] = {(i & 1) != 0 ? b.upper.x : b.lower.x, (i & 2) != 0 ? b.upper.y : b.lower.y,
-              (i & 4) != 0 ? b.upper.z : b.lower.z};
-  }
-  return all;
 }
 
 mat4 light_from_world(vec3 position, vec3 direction) {
@@ -180,11 +173,7 @@ SceneLights collect_lights(const Scene& scene, const Environment& environment, c
   for (const Node& node : scene.nodes) {
     if (node.light >= 0) entries.push_back(punctual(scene, node, gpu));
   }
-  if (!environment.suns.empty()) {
-    Environment suns = environment;
-    suns.map = nullptr;
-    for (const SunDisc& sun : ibl::make_source(suns).suns) entries.push_back(sun_light(sun));
-  }
+  for (const SunDisc& sun : world_suns(environment)) entries.push_back(sun_light(sun));
   std::stable_sort(entries.begin(), entries.end(),
                    [](const Entry& a, const Entry& b) { return a.strength > b.strength; });
   std::erase_if(entries, [](const Entry& e) { return e.strength <= 0.0f; });

@@ -30,6 +30,10 @@ Quantity parse_quantity(std::string_view name) {
 
 bool is_of_surface(Quantity quantity) { return quantity >= Quantity::albedo && quantity <= Quantity::overdraw; }
 
+bool shows_numbers(Quantity quantity) {
+  return is_of_surface(quantity) || quantity == Quantity::luminance || quantity == Quantity::non_finite;
+}
+
 Quantity quantity_of(Layer layer) {
   switch (layer) {
     case Layer::albedo:

@@ -51,6 +51,8 @@ Quantity parse_quantity(std::string_view name);
 
 /// Whether a shader writes it in place of light.
 bool is_of_surface(Quantity quantity);
+/// Whether its picture is shown as it is, without exposure and tone curve.
+bool shows_numbers(Quantity quantity);
 Quantity quantity_of(Layer layer);
 
 /// Bits of what adds up to the light of a surface.

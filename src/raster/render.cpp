@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <future>
 #include <limits>
 
-#include "base/parallel.h"
+#include "base/error.h"
 #include "gl/gl.h"
 #include "math/hash.h"
 #include "raster/renderer.h"
@@ -16,22 +15,6 @@
 namespace candela::raster {
 
 namespace {
-
-class Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - last_).count(); }
-  /// Seconds since the last call.
-  double lap() {
-    const auto now = Clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point last_ = Clock::now();
-};
 
 /// Points of a lattice that fills the cube of four dimensions evenly however many there are: powers of the root of x⁵ =
 /// x + 1. Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences".
@@ -84,30 +67,12 @@ std::uint64_t picture_bytes(const Settings& settings) {
   return pixels * (samples * 12 + 24 + 48 + 48 + through + film_bytes_per_pixel(settings.layers));
 }
 
-struct Session::Parts {
-  std::unique_ptr<gl::Context> context;
-  double open_s = 0.0;
-  LightKey key;  ///< of `light`
-  BakedLight light;
-  std::vector<Probe> probes;
-};
-
-Session::Session() : parts_(std::make_unique<Parts>()) {
-  Stopwatch watch;
-  parts_->context = gl::Context::open();
-  parts_->open_s = watch.lap();
-}
-
-Session::~Session() = default;
-
-void Session::set_probes(std::vector<Probe> probes) { parts_->probes = std::move(probes); }
-
 namespace {
 
 /// Brings directions and lengths to where a picture can show them: directions from −1 … 1 to 0 … 1, positions and
 /// depths over the scene's size, an object's number to a colour of its own.
 /// Positions and `bounds` are relative to the same origin.
-void show_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
+void scale_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
   const vec3 size = glm::max(bounds.size(), vec3(std::numeric_limits<float>::min()));
   const auto shown = [&](vec3 v) {
     switch (quantity) {
@@ -135,31 +100,6 @@ void show_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
   }
 }
 
-/// Tells how far the work is, and knows when it has to end.
-class Watcher {
- public:
-  Watcher(const Callbacks& callbacks, std::size_t pictures, int frames)
-      : callbacks_(callbacks), pictures_(pictures), frames_(frames) {}
-
-  bool must_stop() const { return callbacks_.stop != nullptr && callbacks_.stop->load(); }
-
-  void tell(std::size_t picture, int frame) {
-    constexpr double kTellEvery = 0.1;  // seconds
-    const double now = since_start_.seconds();
-    if (!callbacks_.progress || now < next_s_) return;
-    next_s_ = now + kTellEvery;
-    const double done = static_cast<double>(picture) + static_cast<double>(frame) / frames_;
-    callbacks_.progress({picture, pictures_, frame, done / static_cast<double>(pictures_), now});
-  }
-
- private:
-  const Callbacks& callbacks_;
-  std::size_t pictures_;
-  int frames_;
-  Stopwatch since_start_;
-  double next_s_ = 0.0;
-};
-
 /// What shows through is what nothing covers, and `glass` of what is covered.
 void add_open(Image glass, Film& film) {
   for (std::size_t i = 0; i < glass.pixels.size(); i += 4) {
@@ -170,146 +110,304 @@ void add_open(Image glass, Film& film) {
   set_through(std::move(glass), film);
 }
 
-/// The mean of a view's frames, or of those that are drawn when it has to end. Where a moment wants light for sheen,
-/// which none before did, `light_sheen` gives it to the renderer.
-Film draw_view(Renderer& renderer, View view, std::size_t picture_index, const MomentOf& moment,
-               const std::function<void()>& light_sheen, const Settings& settings, Watcher& watcher, Statistics& s) {
+void check(const Settings& s) {
+  constexpr int kMostSize = 65536;
+  if (s.width < 1 || s.height < 1 || s.width > kMostSize || s.height > kMostSize) {
+    throw Error("picture size out of range");
+  }
+  if (s.frames < 1) throw Error("at least one frame is needed");
+  if (s.msaa < 1) throw Error("at least one sample per pixel is needed");
+  if (!(s.occlusion_radius >= 0.0f) || !std::isfinite(s.occlusion_radius)) {
+    throw Error("the radius of occlusion is negative or not finite");
+  }
+  if (!(s.light_radius >= 0.0f) || !std::isfinite(s.light_radius)) {
+    throw Error("the radius of lights is negative or not finite");
+  }
+  if (s.most_textures < 0) throw Error("the number of textures is negative");
+  if (s.shown_light < 0) throw Error("the light that is shown does not exist");
+}
+
+void check(const View& view) {
+  for (int c = 0; c < 4; ++c) {
+    for (int row = 0; row < 4; ++row) {
+      if (!std::isfinite(view.world_from_camera[c][row])) throw Error("the camera is out of range");
+    }
+  }
+}
+
+/// Adds `share` of a frame's numbers to those of a picture; those that are not finite are left out and counted.
+void add_frame(const Image& frame, float share, Quantity quantity, Image& sum, std::uint64_t& non_finite) {
+  for (std::size_t i = 0; i < frame.pixels.size(); i += 4) {
+    const float* p = frame.pixels.data() + i;
+    const bool is_good = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]) && std::isfinite(p[3]);
+    if (!is_good) ++non_finite;
+    for (std::size_t c = 0; c < 4; ++c) sum.pixels[i + c] += is_good ? share * p[c] : 0.0f;
+    if (quantity != Quantity::non_finite) continue;
+    const vec4 judged = is_good ? vec4(vec3(0.05f * p[3]), p[3]) : vec4(1, 0, 1, 1);
+    for (int c = 0; c < 4; ++c) sum.pixels[i + static_cast<std::size_t>(c)] = judged[c];
+  }
+}
+
+void show_false_colors(Image& picture) {
+  for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
+    float* p = picture.pixels.data() + i;
+    const vec3 color = false_color(luminance(vec3(p[0], p[1], p[2])));
+    p[0] = color.x, p[1] = color.y, p[2] = color.z;
+  }
+}
+
+}  // namespace
+
+void add_work(const Statistics& picture, Statistics& all) {
+  all.driver = picture.driver;
+  all.interrupted |= picture.interrupted;
+  all.is_light_cached = picture.is_light_cached;
+  all.open_s += picture.open_s;
+  all.light_s += picture.light_s;
+  all.upload_s += picture.upload_s;
+  all.shadow_s += picture.shadow_s;
+  all.compile_s += picture.compile_s;
+  all.frame_s += picture.frame_s;
+  all.draw_s += picture.draw_s;
+  all.frames += picture.frames;
+  all.programs = picture.programs;
+  all.triangles = picture.triangles;
+  all.draws = picture.draws;
+  all.non_finite_pixels += picture.non_finite_pixels;
+}
+
+struct Device::Parts {
+  std::unique_ptr<gl::Context> context;
+  double open_s = 0.0;  ///< until it is told
+  LightKey key;         ///< of `light`
+  BakedLight light;
+
+  /// Bakes the light of an environment unless it is there.
+  void bake(const Environment& environment, bool wants_sheen, const std::filesystem::path& cache) {
+    const LightKey wanted = light_key(environment, wants_sheen);
+    if (wanted == key) return;
+    light = is_lit_from_far(environment) ? bake_light(environment, wants_sheen, cache) : BakedLight{};
+    key = wanted;
+  }
+};
+
+Device::Device() : parts_(std::make_unique<Parts>()) {
+  const Stopwatch watch;
+  parts_->context = gl::Context::open();
+  parts_->open_s = watch.seconds();
+}
+
+Device::~Device() = default;
+
+class Drawer::Impl {
+ public:
+  Impl(std::shared_ptr<const Scene> scene, const Environment& environment, const shade::ShadingModel& shading,
+       std::shared_ptr<Device> device)
+      : scene_(std::move(scene)), environment_(environment), shading_(shading), device_(std::move(device)) {
+    validate(*scene_);
+    if (device_ == nullptr) device_ = std::make_shared<Device>();
+  }
+  ~Impl() {
+    if (renderer_ == nullptr) return;
+    // What the driver holds is given back to its own context.
+    device().context->make_current();
+    renderer_.reset();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void set_probes(std::vector<Probe> probes) {
+    probes_ = std::move(probes);
+    if (renderer_ == nullptr) return;
+    use_device();
+    renderer_->set_probes(probes_);
+  }
+
+  void set_scene(std::shared_ptr<const Scene> scene) {
+    validate(*scene);
+    if (renderer_ != nullptr) {
+      use_device();
+      renderer_->set_scene(*scene);
+      if (renderer_->lacks_sheen_light()) {
+        device().bake(environment_, true, settings_.cache);
+        give_light();
+      }
+    }
+    scene_ = std::move(scene);
+  }
+
+  Film render(View view, const MomentOf& moment, const Settings& settings, const Job& job, Statistics& s);
+
+ private:
+  Device::Parts& device() { return *device_->parts_; }
+  void use_device() {
+    if (!device().context->make_current()) throw Error("a device of another thread cannot draw here");
+  }
+  void give_light() {
+    const BakedLight& light = device().light;
+    renderer_->set_light(settings_.ambient == Ambient::baked ? light : simplified(light, settings_.ambient));
+  }
+  void prepare(const View& view, const Settings& settings, Statistics& s);
+  Film draw_frames(View view, const MomentOf& moment, const Job& job, Statistics& s);
+  void tell_warnings(const Job& job);
+
+  std::shared_ptr<const Scene> scene_;
+  Environment environment_;
+  shade::ShadingModel shading_;
+  std::shared_ptr<Device> device_;
+  std::vector<Probe> probes_;
+  Settings settings_;     ///< of `renderer_`
+  Diagnostics warnings_;  ///< of all pictures
+  std::size_t told_ = 0;  ///< of `warnings_`
+  std::unique_ptr<Renderer> renderer_;
+};
+
+/// Uploads and compiles what pictures of these settings need, unless it is there.
+void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistics& s) {
+  Stopwatch watch;
+  if (renderer_ != nullptr && settings == settings_) {
+    renderer_->begin(view);
+    glFinish();
+    s.shadow_s = watch.lap();
+    return;
+  }
+  // The light is baked while this thread, the driver's, uploads and compiles.
+  std::future<void> baked = std::async(std::launch::async, [&] {
+    const Stopwatch baking;
+    device().bake(environment_, uses_sheen(*scene_), settings.cache);
+    s.light_s = baking.seconds();
+  });
+  settings_ = settings;
+  Settings used = settings;
+  if (is_of_surface(used.quantity)) used.msaa = 1;  // numbers of two surfaces have no mean
+  renderer_.reset();
+  auto renderer = std::make_unique<Renderer>(*scene_, environment_, shading_, used, warnings_);
+  glFinish();
+  s.upload_s = watch.lap();
+  renderer->begin(view);
+  glFinish();
+  s.shadow_s = watch.lap();
+  renderer->warm_up(view);
+  s.compile_s = watch.lap();
+  baked.get();
+  renderer_ = std::move(renderer);
+  give_light();
+  renderer_->set_probes(probes_);
+}
+
+/// The mean of a picture's frames, or of those that are drawn when it has to end.
+Film Drawer::Impl::draw_frames(View view, const MomentOf& moment, const Job& job, Statistics& s) {
+  const int frames = settings_.frames;
+  const bool is_still = frames > 1;
+  const float share = 1.0f / static_cast<float>(frames);
+  const Stopwatch watch;
+  double next_report_s = 0.0;
   Film film;
-  film.beauty = Image(settings.width, settings.height, 4);
+  film.beauty = Image(settings_.width, settings_.height, 4);
   Image through;
-  int drawn = 0;
-  for (int frame = 0; frame < settings.frames; ++frame) {
-    const bool is_still = settings.frames > 1;
+  for (int frame = 0; frame < frames && !s.interrupted; ++frame) {
+    if (moment && frame > 0) {
+      const Moment now = moment(frame);
+      view = now.view;
+      set_scene(now.scene);
+    }
     const vec4 u = lattice_point(frame);
     const vec2 jitter = is_still ? vec2(u) - 0.5f : vec2(0.0f);
     const vec2 lens = is_still ? sample_aperture(view.lens, {u.z, u.w}) : vec2(0.0f);
-    if (moment) {
-      const Moment now = moment(picture_index, frame);
-      view = now.view;
-      renderer.set_scene(*now.scene);
-      if (renderer.lacks_sheen_light()) light_sheen();
-      renderer.begin(view, light_point(frame, settings.frames));
-    } else if (is_still && renderer.has_extended_lights()) {
-      renderer.begin(view, light_point(frame, settings.frames));
-    }
-    Stopwatch drawing;
-    renderer.draw(view, jitter, lens, frame + 1);
+    if (moment || (is_still && renderer_->has_extended_lights())) renderer_->begin(view, light_point(frame, frames));
+    const Stopwatch drawing;
+    renderer_->draw(view, jitter, lens, frame + 1);
     glFinish();
-    s.draw_s += drawing.lap();
-    const Image picture = renderer.read();
-    const Image behind = renderer.read_through();
-    const float share = 1.0f / static_cast<float>(settings.frames);
+    s.draw_s += drawing.seconds();
+    const Image picture = renderer_->read();
+    const Image behind = renderer_->read_through();
     if (through.empty()) through = Image(behind.width, behind.height, behind.channels);
     for (std::size_t i = 0; i < behind.pixels.size(); ++i) {
       if (std::isfinite(behind.pixels[i])) through.pixels[i] += share * behind.pixels[i];
     }
-    for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
-      const float* p = picture.pixels.data() + i;
-      const bool is_good = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]) && std::isfinite(p[3]);
-      if (!is_good) ++s.non_finite_pixels;
-      for (std::size_t c = 0; c < 4; ++c) film.beauty.pixels[i + c] += is_good ? share * p[c] : 0.0f;
-      if (settings.quantity == Quantity::non_finite) {
-        const vec4 judged = is_good ? vec4(vec3(0.05f * p[3]), p[3]) : vec4(1, 0, 1, 1);
-        for (int c = 0; c < 4; ++c) film.beauty.pixels[i + static_cast<std::size_t>(c)] = judged[c];
-      }
+    add_frame(picture, share, settings_.quantity, film.beauty, s.non_finite_pixels);
+    ++s.frames;
+    constexpr double kReportEvery = 0.1;  // seconds
+    if (job.progress && watch.seconds() >= next_report_s) {
+      next_report_s = watch.seconds() + kReportEvery;
+      job.progress({.fraction = static_cast<double>(s.frames) / frames,
+                    .seconds = watch.seconds(),
+                    .what = "frame " + std::to_string(s.frames) + " of " + std::to_string(frames)});
     }
-    watcher.tell(picture_index, ++drawn);
-    if (drawn < settings.frames && watcher.must_stop()) {
-      s.interrupted = true;
-      break;
-    }
+    s.interrupted = s.frames < frames && job.is_stopped();
   }
-  s.frames += drawn;
-  if (drawn < settings.frames && settings.quantity != Quantity::non_finite) {
-    const float rest = static_cast<float>(settings.frames) / static_cast<float>(drawn);
+  if (s.frames < frames && settings_.quantity != Quantity::non_finite) {
+    const float rest = static_cast<float>(frames) / static_cast<float>(s.frames);
     for (Image* image : {&film.beauty, &through}) {
       for (float& v : image->pixels) v *= rest;
     }
   }
   if (!through.empty()) add_open(std::move(through), film);
   apply_vignetting(view, film.beauty);
-  show_numbers(settings.quantity, renderer.scene().bounds(), film.beauty);
-  if (settings.quantity == Quantity::luminance) {
-    for (std::size_t i = 0; i < film.beauty.pixels.size(); i += 4) {
-      float* p = film.beauty.pixels.data() + i;
-      const vec3 color = false_color(luminance(vec3(p[0], p[1], p[2])));
-      p[0] = color.x, p[1] = color.y, p[2] = color.z;
-    }
-  }
-  for (const Layer layer : settings.layers) film.layers[layer] = renderer.read_layer(view, layer);
+  scale_numbers(settings_.quantity, renderer_->scene().bounds(), film.beauty);
+  if (settings_.quantity == Quantity::luminance) show_false_colors(film.beauty);
+  for (const Layer layer : settings_.layers) film.layers[layer] = renderer_->read_layer(view, layer);
   return film;
 }
 
-}  // namespace
-
-void Session::draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
-                   const Settings& settings, Diagnostics& diagnostics,
-                   const std::function<void(std::size_t, Film)>& take, Statistics* statistics, const MomentOf& moment,
-                   const Callbacks& callbacks) {
-  Statistics ignored;
-  Statistics& s = statistics != nullptr ? *statistics : ignored;
-  Stopwatch watch;
-  s.driver = parts_->context->renderer();
-  s.open_s = parts_->open_s;
-
-  // The light is baked while this thread, the driver's, uploads and compiles.
-  const auto bake = [&](bool wants_sheen) {
-    Stopwatch baking;
-    const LightKey key = light_key(environment, wants_sheen);
-    if (key != parts_->key) {
-      parts_->light =
-          is_lit_from_far(environment) ? bake_light(environment, wants_sheen, settings.cache) : BakedLight{};
-      parts_->key = key;
-    }
-    s.light_s += baking.lap();
-  };
-  std::future<void> baked = std::async(std::launch::async, bake, uses_sheen(scene));
-  Settings used = settings;
-  if (is_of_surface(used.quantity)) used.msaa = 1;  // numbers of two surfaces have no mean
-  Renderer renderer(scene, environment, used, diagnostics);
-  glFinish();
-  s.upload_s = watch.lap();
-  Watcher watcher(callbacks, views.size(), settings.frames);
-  const auto give_light = [&] {
-    renderer.set_light(settings.ambient == Ambient::baked ? parts_->light
-                                                          : simplified(parts_->light, settings.ambient));
-  };
-  const auto light_sheen = [&] {
-    bake(true);
-    give_light();
-  };
-  for (std::size_t i = 0; i < views.size() && !s.interrupted; ++i) {
-    watch.lap();
-    renderer.begin(views[i]);
-    glFinish();
-    s.shadow_s += watch.lap();
-    if (i == 0) {
-      renderer.warm_up(views[i]);
-      s.compile_s = watch.lap();
-      baked.get();
-      s.is_light_cached = parts_->light.is_cached;
-      give_light();
-      renderer.set_probes(parts_->probes);
-      watch.lap();
-    }
-    Film film = draw_view(renderer, views[i], i, moment, light_sheen, settings, watcher, s);
-    s.frame_s += watch.lap();
-    take(i, std::move(film));
-    if (i + 1 < views.size() && watcher.must_stop()) s.interrupted = true;
+/// What was not told before.
+void Drawer::Impl::tell_warnings(const Job& job) {
+  for (; job.diagnostics != nullptr && told_ < warnings_.warnings().size(); ++told_) {
+    const Diagnostic& warning = warnings_.warnings()[told_];
+    job.diagnostics->warn(warning.message, warning.where);
   }
-  s.programs = static_cast<int>(renderer.programs().count());
-  s.triangles = renderer.scene().triangle_count();
-  s.draws = renderer.scene().draws().size();
+}
+
+Film Drawer::Impl::render(View view, const MomentOf& moment, const Settings& settings, const Job& job, Statistics& s) {
+  check(settings);
+  if (moment) {
+    const Moment first = moment(0);
+    view = first.view;
+    set_scene(first.scene);
+  }
+  check(view);
+  use_device();
+  s = {};
+  s.driver = device().context->renderer();
+  s.open_s = std::exchange(device().open_s, 0.0);
+  prepare(view, settings, s);
+  const Stopwatch watch;
+  Film film = draw_frames(view, moment, job, s);
+  s.frame_s = watch.seconds();
+  s.is_light_cached = device().light.is_cached;
+  s.programs = static_cast<int>(renderer_->programs().count());
+  s.triangles = renderer_->scene().triangle_count();
+  s.draws = renderer_->scene().draws().size();
+  tell_warnings(job);
+  return film;
+}
+
+Drawer::Drawer(std::shared_ptr<const Scene> scene, const Environment& environment, const shade::ShadingModel& shading,
+               std::shared_ptr<Device> device)
+    : impl_(std::make_unique<Impl>(std::move(scene), environment, shading, std::move(device))) {}
+
+Drawer::Drawer(Scene scene, const Environment& environment, const shade::ShadingModel& shading,
+               std::shared_ptr<Device> device)
+    : Drawer(std::make_shared<const Scene>(std::move(scene)), environment, shading, std::move(device)) {}
+
+Drawer::~Drawer() = default;
+
+void Drawer::set_probes(std::vector<Probe> probes) { impl_->set_probes(std::move(probes)); }
+void Drawer::set_scene(std::shared_ptr<const Scene> scene) { impl_->set_scene(std::move(scene)); }
+
+Film Drawer::render(const View& view, const Settings& settings, const Job& job, Statistics* statistics) {
+  Statistics ignored;
+  return impl_->render(view, {}, settings, job, statistics != nullptr ? *statistics : ignored);
+}
+
+Film Drawer::render(const MomentOf& moment, const Settings& settings, const Job& job, Statistics* statistics) {
+  Statistics ignored;
+  return impl_->render({}, moment, settings, job, statistics != nullptr ? *statistics : ignored);
 }
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
-            Diagnostics& diagnostics, Statistics* statistics, const Callbacks& callbacks) {
-  Film film;
-  Session session;
-  session.draw(
-      scene, environment, {view}, settings, diagnostics, [&film](std::size_t, Film drawn) { film = std::move(drawn); },
-      statistics, {}, callbacks);
-  return film;
+            const Job& job, Statistics* statistics) {
+  return Drawer(borrowed(scene), environment).render(view, settings, job, statistics);
 }
 
 }  // namespace candela::raster

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -8,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "base/diagnostics.h"
 #include "image/film.h"
+#include "image/job.h"
 #include "raster/image_light.h"
 #include "raster/quantity.h"
 #include "scene/scene.h"
@@ -18,8 +17,6 @@
 
 /// The real-time renderer: OpenGL ES 3.0, on a GPU or on a processor, without a window.
 namespace candela::raster {
-
-enum class Background { environment, transparent };
 
 struct Settings {
   int width = 1280;
@@ -42,31 +39,18 @@ struct Settings {
   Quantity quantity = Quantity::light;  ///< shown in place of all light; then without a background
   int most_textures = 0;                ///< that a shader reads at once; 0: what the driver has. The least of any is 16
   int shown_light = 0;                  ///< of Quantity::one_light, the strongest is 0
-  shade::ShadingModel shading = shade::shading_model_candela();
   std::set<Layer> layers{};
   std::filesystem::path cache{};  ///< folder of baked environments; empty = none is kept
   std::string shader_folder{};    ///< read instead of the shaders in the program; empty = those
-};
 
-struct Progress {
-  std::size_t picture = 0;  ///< that is drawn
-  std::size_t pictures = 1;
-  int frame = 0;          ///< of that picture: drawn so far
-  double fraction = 0.0;  ///< of the work
-  double seconds = 0.0;   ///< since the first frame began
-};
-
-struct Callbacks {
-  std::function<void(const Progress&)> progress;  ///< called from the drawing thread, some times a second at most
-  /// Set to end early: the picture at hand is the mean of its frames so far, at least of one; no other is begun.
-  const std::atomic<bool>* stop = nullptr;
+  bool operator==(const Settings&) const = default;
 };
 
 struct Statistics {
   std::string driver;
-  bool interrupted = false;  ///< by `Callbacks::stop`, with frames or pictures left
+  bool interrupted = false;  ///< by Job::stop, with frames left
   bool is_light_cached = false;
-  double open_s = 0.0;    ///< the context
+  double open_s = 0.0;    ///< the context; this and what follows count where it was done, for the first of several
   double light_s = 0.0;   ///< baking or reading the environment, beside what follows
   double upload_s = 0.0;  ///< scene and environment to the driver
   double shadow_s = 0.0;
@@ -80,43 +64,66 @@ struct Statistics {
   std::uint64_t non_finite_pixels = 0;  ///< must be 0; each is black in the picture
 };
 
-/// What one frame of a picture shows where things move: `scene` must be the scene that is drawn at another moment, with
-/// as many materials and the IES profiles of that, and live until the next moment is asked for.
+/// Adds one picture to several: times and counts are sums, the scene is that of the last.
+void add_work(const Statistics& picture, Statistics& all);
+
+/// What one frame of a picture shows where things move: the scene that is drawn at another moment, with as many
+/// materials and the IES profiles of that.
 struct Moment {
-  const Scene* scene = nullptr;
+  std::shared_ptr<const Scene> scene;
   View view;
 };
-using MomentOf = std::function<Moment(std::size_t picture, int frame)>;
+using MomentOf = std::function<Moment(int frame)>;
 
-/// An OpenGL context, and the environment that was baked last: many pictures pay for them once. To be used on the
-/// thread that made it.
-class Session {
+/// An OpenGL context, and the environment that was baked last: many scenes pay for them once. To be used on the thread
+/// that made it, where there may be several.
+class Device {
  public:
   /// Throws Error where there is no OpenGL.
-  Session();
-  ~Session();
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
-  /// Light within a scene, which stands in for light from far away on every surface: that of the nearest probe. For the
-  /// scenes drawn from here on; none: the environment's.
-  void set_probes(std::vector<Probe> probes);
-
-  /// Draws `scene` under `environment` from each of `views`, uploading and compiling once, and hands each picture to
-  /// `take` with the index of its view. Where there is a `moment`, each frame shows what it says. Throws Error where
-  /// the driver refuses a shader or runs out of memory.
-  void draw(const Scene& scene, const Environment& environment, const std::vector<View>& views,
-            const Settings& settings, Diagnostics& diagnostics, const std::function<void(std::size_t, Film)>& take,
-            Statistics* statistics = nullptr, const MomentOf& moment = {}, const Callbacks& callbacks = {});
+  Device();
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
 
  private:
+  friend class Drawer;
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
 
-/// One picture, by a Session of its own. Throws Error.
+/// A scene under its light, made ready to be drawn: uploaded, its light baked, its programs compiled. Pictures of the
+/// same settings share all of it. To be used on the thread of its device.
+class Drawer {
+ public:
+  /// Without a device it opens one of its own. Throws Error for a scene that validate() refuses, and without OpenGL.
+  Drawer(std::shared_ptr<const Scene> scene, const Environment& environment,
+         const shade::ShadingModel& shading = shade::shading_model_candela(), std::shared_ptr<Device> device = nullptr);
+  Drawer(Scene scene, const Environment& environment,
+         const shade::ShadingModel& shading = shade::shading_model_candela(), std::shared_ptr<Device> device = nullptr);
+  ~Drawer();
+  Drawer(const Drawer&) = delete;
+  Drawer& operator=(const Drawer&) = delete;
+
+  /// Light within the scene, which stands in for light from far away on every surface: that of the nearest probe. For
+  /// what is drawn from here on; none: the environment's.
+  void set_probes(std::vector<Probe> probes);
+  /// Another moment of the same scene, as Moment::scene.
+  void set_scene(std::shared_ptr<const Scene> scene);
+
+  /// The picture that a view has: the mean of its frames, after a stop of those so far, at least of one. Throws Error
+  /// for settings and views that make no sense, and where the driver refuses a shader or runs out of memory.
+  Film render(const View& view, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr);
+  /// The same where each frame shows another moment. The last one stays.
+  Film render(const MomentOf& moment, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// One picture by a Drawer of its own. `scene` is not copied. Throws Error.
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
-            Diagnostics& diagnostics, Statistics* statistics = nullptr, const Callbacks& callbacks = {});
+            const Job& job = {}, Statistics* statistics = nullptr);
 
 /// Most bytes of main memory that the picture takes while it is drawn by a processor.
 std::uint64_t picture_bytes(const Settings& settings);

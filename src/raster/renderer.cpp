@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "ibl/source.h"
 #include "raster/body.h"
+#include "raster/targets.h"
 #include "scene/surface_params.h"
 #include "shade/surface_params.glsl.h"
 #include "shade/tables.glsl.h"
@@ -18,41 +18,6 @@ namespace {
 // A sun is a disc; a mirror that reflects it as a point would show nothing. α of at least half its radius convolves the
 // lobe with it: 0.00465 / 2.
 constexpr float kLeastSunRoughness = 0.0482f;
-
-void filter(GLenum target, GLint min, GLint mag) {
-  glTexParameteri(target, GL_TEXTURE_MIN_FILTER, min);
-  glTexParameteri(target, GL_TEXTURE_MAG_FILTER, mag);
-}
-
-void wrap(GLenum target, GLint s, GLint t) {
-  glTexParameteri(target, GL_TEXTURE_WRAP_S, s);
-  glTexParameteri(target, GL_TEXTURE_WRAP_T, t);
-}
-
-/// Where what is seen through glass stands, beside the layers of scattered light.
-constexpr GLenum kThroughAttachment = GL_COLOR_ATTACHMENT3;
-
-/// Draws into the picture and what is seen through glass.
-void use_through_attachment() {
-  constexpr std::array<GLenum, 4> kBuffers = {GL_COLOR_ATTACHMENT0, GL_NONE, GL_NONE, kThroughAttachment};
-  glDrawBuffers(static_cast<GLsizei>(kBuffers.size()), kBuffers.data());
-}
-
-/// Draws into the first `count` pictures of the framebuffer that is bound.
-void use_color_attachments(GLsizei count) {
-  constexpr std::array<GLenum, 3> kAll = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
-  glDrawBuffers(count, kAll.data());
-}
-
-void check_framebuffer(const char* what) {
-  const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
-  if (status != GL_FRAMEBUFFER_COMPLETE) {
-    throw Error("the driver cannot draw into " + std::string(what) + " (status " + std::to_string(status) + ")");
-  }
-}
-
-/// Whether all light is shown.
-bool is_whole(Quantity quantity) { return quantity == Quantity::light || quantity == Quantity::luminance; }
 
 void upload_triangles(const std::vector<uvec3>& triangles, GpuTriangles& gpu) {
   gpu.index_count = static_cast<GLsizei>(3 * triangles.size());
@@ -107,14 +72,14 @@ gl::Texture upload_panorama(const Image* map) {
 
 }  // namespace
 
-Renderer::Renderer(const Scene& scene, const Environment& environment, const Settings& settings,
-                   Diagnostics& diagnostics)
+Renderer::Renderer(const Scene& scene, const Environment& environment, const shade::ShadingModel& shading,
+                   const Settings& settings, Diagnostics& diagnostics)
     : scene_(&scene),
       environment_(environment),
       settings_(settings),
       diagnostics_(diagnostics),
-      programs_(settings.shading, settings.shader_folder, settings.most_textures),
-      gpu_(scene, settings.shading, diagnostics),
+      programs_(shading, settings.shader_folder, settings.most_textures),
+      gpu_(scene, shading, diagnostics),
       expects_light_(is_lit_from_far(environment)) {
   if (!gl::has_extension("GL_EXT_color_buffer_float") && !gl::has_extension("GL_EXT_color_buffer_half_float")) {
     throw Error("the driver cannot draw into floating-point pictures (GL_EXT_color_buffer_float)");
@@ -266,69 +231,6 @@ void Renderer::upload_table() {
   gl::check("uploading the tables");
 }
 
-void Renderer::make_targets() {
-  const int w = settings_.width, h = settings_.height;
-  GLint most = 0;
-  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
-  if (std::max(w, h) > most)
-    throw Error("the driver draws no more than " + std::to_string(most) + " pixels a side", "--size");
-  GLint most_samples = 1;
-  glGetInternalformativ(GL_RENDERBUFFER, GL_RGBA16F, GL_SAMPLES, 1, &most_samples);
-  const int samples = std::min(settings_.msaa, most_samples) <= 1 ? 0 : std::min(settings_.msaa, most_samples);
-
-  // Half floats end at 65504, which lengths may exceed.
-  const bool is_length = settings_.quantity == Quantity::position || settings_.quantity == Quantity::depth;
-  const GLenum format = is_length && gl::has_extension("GL_EXT_color_buffer_float") ? GL_RGBA32F : GL_RGBA16F;
-  glBindRenderbuffer(GL_RENDERBUFFER, target_.color);
-  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, w, h);
-  glBindRenderbuffer(GL_RENDERBUFFER, target_.depth);
-  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT32F, w, h);
-  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_.color);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target_.depth);
-  // At another moment what a scene has now may be gone, and come back.
-  has_scattering_ |= wants_scattering();
-  has_opaque_picture_ |= wants_opaque_picture();
-  if (has_scattering_) {
-    for (std::size_t i = 0; i < scattered_.size(); ++i) {
-      glBindRenderbuffer(GL_RENDERBUFFER, scattered_samples_[i]);
-      glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
-      glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1 + static_cast<GLenum>(i), GL_RENDERBUFFER,
-                                scattered_samples_[i]);
-    }
-  }
-  has_through_ = settings_.background == Background::transparent && !settings_.environment_in_glass &&
-                 has_opaque_picture_ && is_whole(settings_.quantity);
-  if (has_through_) {
-    glBindRenderbuffer(GL_RENDERBUFFER, through_samples_);
-    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, kThroughAttachment, GL_RENDERBUFFER, through_samples_);
-  }
-  check_framebuffer("half floats");
-  settings_.msaa = std::max(samples, 1);
-
-  const auto make_picture = [&](const gl::Texture& texture, const gl::Framebuffer& framebuffer, GLint min,
-                                GLenum kind = GL_RGBA16F) {
-    glBindTexture(GL_TEXTURE_2D, texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(kind), w, h, 0, GL_RGBA, GL_FLOAT, nullptr);
-    filter(GL_TEXTURE_2D, min, kind == GL_RGBA32F ? GL_NEAREST : GL_LINEAR);
-    wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
-    check_framebuffer("half floats");
-  };
-  make_picture(resolved_, resolved_framebuffer_, format == GL_RGBA32F ? GL_NEAREST : GL_LINEAR, format);
-  for (std::size_t i = 0; has_scattering_ && i < scattered_.size(); ++i) {
-    make_picture(scattered_[i], scattered_framebuffer_[i], GL_NEAREST);
-  }
-  if (has_through_) make_picture(through_, through_framebuffer_, GL_NEAREST);
-  if (has_opaque_picture_) {
-    make_picture(opaque_picture_, picture_framebuffer_, GL_LINEAR_MIPMAP_LINEAR);
-    picture_levels_ = 1 + static_cast<int>(std::log2(static_cast<float>(std::max(w, h))));
-  }
-  gl::check("making the picture");
-}
-
 bool Renderer::has_extended_lights() const {
   return lights_.area_count > 0 ||
          (settings_.has_soft_shadows && (lights_.has_suns || (settings_.light_radius > 0.0f && lights_.count > 0)));
@@ -357,75 +259,6 @@ void Renderer::begin(const View& view, LightPoint point) {
   glBindBuffer(GL_UNIFORM_BUFFER, lights_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof lights_.block, &lights_.block, GL_DYNAMIC_DRAW);
   draw_shadows();
-}
-
-void Renderer::draw_shadows() {
-  glBindTexture(GL_TEXTURE_2D_ARRAY, shadows_);
-  const GLsizei layers = std::max(lights_.shadow_count, 1), size = lights_.shadow_count > 0 ? lights_.shadow_size : 1;
-  has_veils_ = lights_.shadow_count > 0 && std::any_of(gpu_.draws().begin(), gpu_.draws().end(),
-                                                       [&](const Draw& d) { return casts_veil(gpu_.material_of(d)); });
-  // Behind the maps of what is opaque, those of the first and of the second blended surface.
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT32F, size, size, has_veils_ ? 3 * layers : layers, 0,
-               GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
-  filter(GL_TEXTURE_2D_ARRAY, GL_LINEAR, GL_LINEAR);
-  wrap(GL_TEXTURE_2D_ARRAY, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);
-  gl::check("making shadow maps");
-  if (lights_.shadow_count == 0) return;
-
-  glBindFramebuffer(GL_FRAMEBUFFER, shadow_framebuffer_);
-  glViewport(0, 0, size, size);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_GEQUAL);  // 1 is near
-  glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);
-  for (int layer = 0; layer < lights_.shadow_count; ++layer) {
-    glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadows_, 0, layer);
-    const GLenum none = GL_NONE;
-    glDrawBuffers(1, &none);
-    glClearDepthf(0.0f);
-    glClear(GL_DEPTH_BUFFER_BIT);
-    draw_casters(layer);
-  }
-  if (has_veils_) draw_veils();
-  glDepthFunc(GL_LEQUAL);
-  gl::check("drawing shadows");
-}
-
-void Renderer::use_shadow_program(const gl::Program& program, const ShadowEntry& shadow) {
-  glUseProgram(program.id());
-  glUniformMatrix4fv(program.uniform("clip_from_world"), 1, GL_FALSE, &shadow.from_world[0][0]);
-  // Nothing is too near for parallel rays.
-  glUniform1f(program.uniform("near"), shadow.is_perspective != 0 ? shadow.near : 0.5f);
-}
-
-void Renderer::draw_casters(int layer) {
-  const ShadowEntry& shadow = lights_.block.shadows[static_cast<std::size_t>(layer)];
-  const int owner = lights_.shadow_owner[static_cast<std::size_t>(layer)];
-  const auto is_lamp = [&](std::size_t i) { return owner >= 0 && (own_areas_[i] >> owner & 1) != 0; };
-  const auto casts = [&](std::size_t i) {
-    if (is_lamp(i) && beside_lamps_.find({owner, i}) == beside_lamps_.end()) return false;
-    const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
-    // What lets light through casts no hard shadow.
-    if ((material.is_blended() && !material.has_opaque_part) || material.is_transmissive()) return false;
-    return !is_beside(shadow.from_world, gpu_.draws()[i].bounds);
-  };
-  for (std::size_t i = 0, end = 0; i < gpu_.draws().size(); i = end) {
-    end = i + 1;
-    if (!casts(i)) continue;
-    while (!is_lamp(i) && end < gpu_.draws().size() && gpu_.are_alike(i, end) && casts(end) && !is_lamp(end)) ++end;
-    const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
-    const gl::Program& program = programs_.depth(material.key, DepthPass::solid, true);
-    use_shadow_program(program, shadow);
-    if (material.key.alpha_mode != AlphaMode::opaque) gpu_.bind_material(material, program);
-    if (is_lamp(i)) {
-      gpu_.draw(i, beside_lamps_.at({owner, i}));
-    } else {
-      gpu_.draw(i, end - i);
-    }
-  }
 }
 
 void Renderer::bind_frame(const FrameCamera& camera) {
@@ -466,160 +299,6 @@ void Renderer::bind_light(const gl::Program& program) const {
   program.bind("screen_visibility", GL_TEXTURE_2D, visibility_[1]);
   program.bind("veils", GL_TEXTURE_2D_ARRAY, veils_);
   program.bind("depth_layers", GL_TEXTURE_2D_ARRAY, depth_layers_);
-}
-
-void Renderer::make_occlusion_targets() {
-  // Half of the picture's: what is open changes slowly.
-  const int w = (settings_.width + 1) / 2, h = (settings_.height + 1) / 2;
-  const auto make = [&](const gl::Texture& texture, const gl::Framebuffer& framebuffer, GLint format, GLenum layout,
-                        GLenum type, GLenum attachment) {
-    glBindTexture(GL_TEXTURE_2D, texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, format, w, h, 0, layout, type, nullptr);
-    filter(GL_TEXTURE_2D, GL_NEAREST, GL_NEAREST);
-    wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
-  };
-  make(depth_map_, depth_framebuffer_, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT);
-  const GLenum none = GL_NONE;
-  glDrawBuffers(1, &none);
-  check_framebuffer("a map of depth");
-  make(culled_map_, culled_framebuffer_, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT);
-  glDrawBuffers(1, &none);
-  check_framebuffer("a map of depth");
-  for (std::size_t i = 0; i < visibility_.size(); ++i) {
-    make(visibility_[i], visibility_framebuffer_[i], GL_RG16F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0);
-    check_framebuffer("half floats");
-  }
-}
-
-/// Depth of what the eye does not see because it looks at its back: light meets both sides. Returns whether there is
-/// any.
-bool Renderer::draw_culled(const std::vector<std::size_t>& opaque, const FrameCamera& camera) {
-  std::vector<std::size_t> single_sided;
-  std::copy_if(opaque.begin(), opaque.end(), std::back_inserter(single_sided), [&](std::size_t i) {
-    const Draw& d = gpu_.draws()[i];
-    return !has_both_sides(gpu_.material_of(d)) && !is_outside(camera.clip_from_world, d.bounds);
-  });
-  const int w = (settings_.width + 1) / 2, h = (settings_.height + 1) / 2;
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, culled_framebuffer_);
-  glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
-  glBindFramebuffer(GL_FRAMEBUFFER, culled_framebuffer_);
-  glDepthFunc(GL_LESS);
-  const bool is_any = draw_layer(single_sided, camera.clip_from_world, DepthPass::solid, GL_FRONT);
-  glDepthFunc(GL_LEQUAL);
-  return is_any;
-}
-
-void Renderer::draw_occlusion(const std::vector<std::size_t>& opaque, const FrameCamera& camera) {
-  // ----- depth
-  glViewport(0, 0, (settings_.width + 1) / 2, (settings_.height + 1) / 2);
-  glBindFramebuffer(GL_FRAMEBUFFER, depth_framebuffer_);
-  glClearDepthf(1.0f);
-  glClear(GL_DEPTH_BUFFER_BIT);
-  draw_depth(opaque, camera, true);
-  const bool has_culled = draw_culled(opaque, camera);
-
-  // ----- horizons, then their mean
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_CULL_FACE);
-  glBindVertexArray(nothing_);
-  glBindFramebuffer(GL_FRAMEBUFFER, visibility_framebuffer_[0]);
-  const gl::Program& horizons = programs_.occlusion(has_culled);
-  glUseProgram(horizons.id());
-  horizons.bind("culled_map", GL_TEXTURE_2D, culled_map_);
-  horizons.bind("depth_map", GL_TEXTURE_2D, depth_map_);
-  glUniformMatrix4fv(horizons.uniform("clip_from_camera"), 1, GL_FALSE, &camera.clip_from_camera[0][0]);
-  const float pixels = 0.25f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1];
-  glUniform4f(horizons.uniform("reach"), settings_.occlusion_radius * glm::length(gpu_.bounds().size()), pixels,
-              static_cast<float>(frame_) * 0.618034f, camera.is_perspective ? 1.0f : 0.0f);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glBindFramebuffer(GL_FRAMEBUFFER, visibility_framebuffer_[1]);
-  const gl::Program& blur = programs_.fullscreen("occlusion_blur.frag.glsl");
-  glUseProgram(blur.id());
-  blur.bind("depth_map", GL_TEXTURE_2D, depth_map_);
-  blur.bind("visibility_map", GL_TEXTURE_2D, visibility_[0]);
-  glUniformMatrix4fv(blur.uniform("clip_from_camera"), 1, GL_FALSE, &camera.clip_from_camera[0][0]);
-  glUniform1f(blur.uniform("is_perspective"), camera.is_perspective ? 1.0f : 0.0f);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glEnable(GL_DEPTH_TEST);
-  glViewport(0, 0, settings_.width, settings_.height);
-}
-
-/// Spreads what the opaque pass left in the layers of scattered light, onto the picture.
-void Renderer::draw_scattering(const FrameCamera& camera) {
-  for (std::size_t i = 0; i < scattered_.size(); ++i) {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.framebuffer);
-    glReadBuffer(GL_COLOR_ATTACHMENT1 + static_cast<GLenum>(i));
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, scattered_framebuffer_[i]);
-    glBlitFramebuffer(0, 0, settings_.width, settings_.height, 0, 0, settings_.width, settings_.height,
-                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  }
-  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  use_color_attachments(1);
-  const gl::Program& program = programs_.fullscreen("scattering.frag.glsl");
-  glUseProgram(program.id());
-  program.bind("scattered_light", GL_TEXTURE_2D, scattered_[0]);
-  program.bind("scattering_width", GL_TEXTURE_2D, scattered_[1]);
-  glUniform4f(program.uniform("scale"), 0.5f * static_cast<float>(settings_.height) * camera.clip_from_camera[1][1],
-              camera.is_perspective ? 1.0f : 0.0f, static_cast<float>(frame_) * 0.618034f, 0.0f);
-  glBindVertexArray(nothing_);
-  glDisable(GL_CULL_FACE);
-  glDisable(GL_DEPTH_TEST);
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_ONE, GL_ONE);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glDisable(GL_BLEND);
-  glEnable(GL_DEPTH_TEST);
-}
-
-void Renderer::draw_background(const FrameCamera& camera) {
-  // Turned back by the rotation about +y.
-  const float cosine = std::cos(environment_.rotation), sine = std::sin(environment_.rotation);
-  const auto in_environment = [&](vec3 d) { return vec3(cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z); };
-  // Rays through a plane before the eye spread evenly over it; those of an orthographic camera are all the same.
-  const auto ray_through = [&](float x, float y) {
-    if (!camera.is_perspective) return in_environment(-camera.back);
-    return in_environment(transform_vector(camera.world_from_camera, camera.at_depth({x, y}, 1.0f)));
-  };
-  const vec3 ray = ray_through(0, 0), ray_x = ray_through(1, 0) - ray, ray_y = ray_through(0, 1) - ray;
-  constexpr std::size_t kMostSuns = 4;
-  std::vector<vec4> directions;
-  std::vector<vec3> radiances;
-  if (!environment_.suns.empty()) {
-    Environment suns = environment_;
-    suns.map = nullptr;
-    for (const SunDisc& sun : ibl::make_source(suns).suns) {
-      if (directions.size() == kMostSuns) break;
-      directions.emplace_back(in_environment(sun.direction), std::cos(sun.angular_radius));
-      radiances.push_back(glm::min(sun.radiance, vec3(60000.0f)));
-    }
-  }
-  const auto sun_count = static_cast<GLsizei>(directions.size());
-  const bool has_map = environment_.map != nullptr || environment_.backdrop != nullptr;
-
-  const gl::Program& program = programs_.background(has_map, sun_count);
-  glUseProgram(program.id());
-  glUniform3fv(program.uniform("ray"), 1, &ray.x);
-  glUniform3fv(program.uniform("ray_x"), 1, &ray_x.x);
-  glUniform3fv(program.uniform("ray_y"), 1, &ray_y.x);
-  const vec3 constant = environment_.constant * environment_.intensity;
-  glUniform3fv(program.uniform("constant_light"), 1, &constant.x);
-  if (has_map) {
-    program.bind("panorama", GL_TEXTURE_2D, panorama_);
-    glUniform1f(program.uniform("intensity"), environment_.intensity);
-  }
-  if (sun_count > 0) {
-    glUniform4fv(program.uniform("sun_directions"), sun_count, &directions[0].x);
-    glUniform3fv(program.uniform("sun_radiances"), sun_count, &radiances[0].x);
-  }
-  glBindVertexArray(nothing_);
-  glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);
-  glDepthMask(GL_FALSE);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glDepthMask(GL_TRUE);
 }
 
 void Renderer::tell_left_out(const GpuMaterial& material, std::uint32_t slots) {
@@ -715,22 +394,6 @@ void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKe
       draw_some(first, count, pass);
     }
   }
-}
-
-void Renderer::resolve(GLuint framebuffer) {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.framebuffer);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  glBlitFramebuffer(0, 0, settings_.width, settings_.height, 0, 0, settings_.width, settings_.height,
-                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
-}
-
-void Renderer::resolve_through() {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.framebuffer);
-  glReadBuffer(kThroughAttachment);
-  resolve(through_framebuffer_);
-  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  use_color_attachments(1);
 }
 
 void Renderer::draw(const View& view, vec2 jitter, vec2 aperture, int frame) {
@@ -832,25 +495,6 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture, int frame) {
   gl::check("drawing");
 }
 
-namespace {
-
-Image read_pixels(int width, int height) {
-  Image image(width, height, 4);
-  std::vector<float> row(static_cast<std::size_t>(width) * 4);
-  std::vector<float> all(image.pixels.size());
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, all.data());
-  gl::check("reading the picture");
-  const std::size_t stride = row.size();
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
-    std::copy_n(all.data() + (static_cast<std::size_t>(height) - 1 - y) * stride, stride,
-                image.pixels.data() + y * stride);
-  }
-  return image;
-}
-
-}  // namespace
-
 void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
   std::vector<std::size_t> all(gpu_.draws().size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
@@ -865,77 +509,6 @@ void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
   draw_surfaces(all, pass, camera);
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
-}
-
-Image Renderer::read() {
-  glBindFramebuffer(GL_FRAMEBUFFER, resolved_framebuffer_);
-  return read_pixels(settings_.width, settings_.height);
-}
-
-Image Renderer::read_through() {
-  if (!has_through_) return {};
-  glBindFramebuffer(GL_FRAMEBUFFER, through_framebuffer_);
-  return read_pixels(settings_.width, settings_.height);
-}
-
-void Renderer::present(ivec2 size, float exposure, ToneCurve tone_curve) {
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glViewport(0, 0, size.x, size.y);
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_BLEND);
-  glDisable(GL_CULL_FACE);
-  const gl::Program& program = programs_.fullscreen("present.frag.glsl");
-  glUseProgram(program.id());
-  program.bind("picture", GL_TEXTURE_2D, resolved_);
-  glUniform1f(program.uniform("exposure"), exposure);
-  glUniform1i(program.uniform("tone_curve"), static_cast<GLint>(tone_curve));
-  glBindVertexArray(nothing_);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  gl::check("showing the picture");
-}
-
-void Renderer::resize(int width, int height) {
-  settings_.width = width;
-  settings_.height = height;
-  make_targets();
-  make_occlusion_targets();
-}
-
-Image Renderer::read_layer(const View& view, Layer layer) {
-  const FrameCamera camera = frame_camera(relative(view), settings_.width, settings_.height, range_);
-  bind_frame(camera);
-  Target target;
-  glBindRenderbuffer(GL_RENDERBUFFER, target.color);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, settings_.width, settings_.height);
-  glBindRenderbuffer(GL_RENDERBUFFER, target.depth);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, settings_.width, settings_.height);
-  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
-  check_framebuffer("floats");
-  glViewport(0, 0, settings_.width, settings_.height);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LEQUAL);
-  glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
-  const float nothing = layer == Layer::depth ? kInfinity : layer == Layer::albedo ? 1.0f : 0.0f;
-  const std::array<float, 4> clear = {nothing, nothing, nothing, 0.0f};
-  glClearBufferfv(GL_COLOR, 0, clear.data());
-  glClearDepthf(1.0f);
-  glClear(GL_DEPTH_BUFFER_BIT);
-  draw_quantity(quantity_of(layer), camera);
-  const Image rgba = read_pixels(settings_.width, settings_.height);
-  const int channels = layer == Layer::depth || layer == Layer::object_id ? 1 : 3;
-  Image image(settings_.width, settings_.height, channels);
-  for (std::size_t i = 0; i < rgba.pixels.size() / 4; ++i) {
-    for (int c = 0; c < channels; ++c) {
-      // A position is the world's again.
-      const bool is_place = layer == Layer::position && rgba.pixels[4 * i + 3] > 0.0f;
-      image.pixels[i * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] =
-          rgba.pixels[4 * i + static_cast<std::size_t>(c)] + (is_place ? gpu_.origin()[c] : 0.0f);
-    }
-  }
-  return image;
 }
 
 }  // namespace candela::raster

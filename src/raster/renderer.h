@@ -21,7 +21,8 @@ namespace candela::raster {
 class Renderer {
  public:
   /// `scene` and `environment` must outlive it. Until set_light() nothing arrives from far away but suns.
-  Renderer(const Scene& scene, const Environment& environment, const Settings& settings, Diagnostics& diagnostics);
+  Renderer(const Scene& scene, const Environment& environment, const shade::ShadingModel& shading,
+           const Settings& settings, Diagnostics& diagnostics);
   void set_light(const BakedLight& light);
   /// Instead of what set_light() gave, for draws as near to them as to no other.
   void set_probes(const std::vector<Probe>& probes);

@@ -79,6 +79,17 @@ void check_panorama(const Image& image, const std::string& where) {
                 where);
 }
 
+std::vector<SunDisc> world_suns(const Environment& environment) {
+  const float c = std::cos(environment.rotation), s = std::sin(environment.rotation);
+  std::vector<SunDisc> suns = environment.suns;
+  for (SunDisc& sun : suns) {
+    const vec3 d = sun.direction;
+    sun.direction = {c * d.x + s * d.z, d.y, -s * d.x + c * d.z};
+    sun.radiance *= environment.intensity;
+  }
+  return suns;
+}
+
 vec3 environment_radiance(const Environment& environment, vec3 d) {
   // Turning the environment by +rotation is turning the direction back.
   const float c = std::cos(environment.rotation), s = std::sin(environment.rotation);

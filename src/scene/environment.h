@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "image/cube_file.h"
 #include "scene/scene.h"
@@ -21,6 +22,9 @@ Image turned_panorama(const Image& map, const quat& world_from_map);
 
 /// Throws Error(…, where) unless `image` is about twice as wide as high, as an equirectangular environment is.
 void check_panorama(const Image& image, const std::string& where);
+
+/// Its suns as the world sees them: turned by the rotation, times the intensity.
+std::vector<SunDisc> world_suns(const Environment& environment);
 
 /// Radiance from direction `d` (unit, world space), suns included when `d` is inside their disc. The renderers'
 /// reference.

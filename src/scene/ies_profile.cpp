@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shade/lights.glsl.h"
+
 namespace candela {
 
 namespace {
@@ -44,8 +46,8 @@ bool is_valid(const IesProfile& p) {
 
 float ies_intensity(const IesProfile& p, vec3 local_direction) {
   const vec3 d = p.web_from_light * local_direction;
-  // atan2 keeps the digits that acos loses near the axis, where lamps are aimed at.
-  const float vertical = degrees(std::atan2(std::sqrt(d.x * d.x + d.y * d.y), -d.z));
+  const vec2 angles = shade::light_profile_angles(d);
+  const float vertical = degrees(angles.y);
   // A few ulp past an edge of the table are the edge: 180° comes out of atan2 rounded either way.
   constexpr float kRounding = 1e-4f;
   const float lowest = p.vertical_deg.front(), highest = p.vertical_deg.back();
@@ -56,7 +58,7 @@ float ies_intensity(const IesProfile& p, vec3 local_direction) {
     return values[v.first] + (values[v.second] - values[v.first]) * v.t;
   };
   if (p.horizontal_deg.size() == 1) return row(0);
-  float horizontal = degrees(std::atan2(d.y, d.x));
+  float horizontal = degrees(angles.x);
   if (horizontal < 0.0f) horizontal += 360.0f;
   const Interval h = find_interval(p.horizontal_deg, std::min(horizontal, 360.0f));
   const float first = row(h.first);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "math/box.h"
 #include "shade/units.glsl.h"
 
 namespace candela {
@@ -248,12 +249,8 @@ Box3 world_bounds(const Scene& scene) {
     const auto index = static_cast<std::size_t>(node.mesh);
     if (!mesh_boxes.empty()) {
       const Box3& local = mesh_boxes[index];
-      for (int corner = 0; corner < 8 && !local.empty(); ++corner) {
-        const vec3 p((corner & 1) != 0 ? local.upper.x : local.lower.x,
-                     (corner & 2) != 0 ? local.upper.y : local.lower.y,
-                     (corner & 4) != 0 ? local.upper.z : local.lower.z);
-        box.extend(transform_point(node.world_from_node, p));
-      }
+      if (local.empty()) continue;
+      for (const vec3 p : corners(local)) box.extend(transform_point(node.world_from_node, p));
       continue;
     }
     for (const Primitive& primitive : scene.meshes[index].primitives) {

@@ -389,6 +389,11 @@ Box3 world_bounds(const Scene& scene);
 /// dark.
 float intensity_from_lumens(const Scene& scene, const Light& light, float lumens);
 
+/// A scene that its owner keeps alive, for whoever shares one.
+inline std::shared_ptr<const Scene> borrowed(const Scene& scene) {
+  return std::shared_ptr<const Scene>(std::shared_ptr<void>(), &scene);
+}
+
 /// Throws Error when an index is out of range, an array length disagrees or a number is not finite.
 void validate(const Scene& scene);
 

@@ -28,6 +28,10 @@ struct View {
   bool is_clipped() const { return near_plane > 0.0f || far_plane < kInfinity; }
 };
 
+/// What a camera ray sees that hits nothing, or nothing but glass that it passes. A plain colour is `transparent` with
+/// DevelopSettings::background.
+enum class Background { environment, transparent };
+
 /// Three-quarter view (azimuth 35°, elevation 20° unless given, degrees) of the whole box with a margin of about 8 %,
 /// for the picture's aspect ratio. `distance_scale` 1 fits; 0.5 is twice as close. Azimuth 0 looks along -z (sees +z
 /// sides), positive azimuth moves the camera towards +x.

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "math/box.h"
+
 namespace candela {
 
 namespace {
@@ -21,11 +23,6 @@ Box3 bounds_of(const Mesh& mesh) {
     for (const vec3 p : primitive.positions) box.extend(p);
   }
   return box;
-}
-
-dvec3 corner(const Box3& box, int i) {
-  return {(i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
-          (i & 4) != 0 ? box.upper.z : box.lower.z};
 }
 
 /// The sides of what the picture shows, its near and its far plane, in the camera's space.
@@ -67,7 +64,7 @@ bool sees_mesh(const Mesh& mesh, const Box3& box, const dmat4& camera_from_mesh,
   const auto seen = [&](const dvec3& p) { return dvec3(camera_from_mesh * glm::dvec4(p, 1.0)); };
   for (const Plane& plane : planes) {
     bool is_outside = true;
-    for (int i = 0; i < 8; ++i) is_outside &= above(plane, seen(corner(box, i))) <= 0.0;
+    for (const vec3 p : corners(box)) is_outside &= above(plane, seen(p)) <= 0.0;
     if (is_outside) return false;
   }
   for (const Primitive& primitive : mesh.primitives) {

@@ -65,6 +65,11 @@ SHADE_FN float light_spot_solid_angle(float cos_inner, float cos_outer) {
   return 2.0f * kShadePi * ((1.0f - cos_inner) + (cos_inner - cos_outer) / 3.0f);
 }
 
+/// Angles of a lamp's photometric web (ANSI/IES LM-63, type C) in which it shines along `d`, radians: x horizontal from
+/// +x to +y, -π to π; y vertical from -z. Two-argument arc tangents keep the digits that acos loses near the axis,
+/// where lamps are aimed at.
+SHADE_FN vec2 light_profile_angles(vec3 d) { return vec2(atan(d.y, d.x), atan(sqrt(d.x * d.x + d.y * d.y), -d.z)); }
+
 /// Radiance of a surface under a punctual light in the white-Lambertian convention: `color` is what a white Lambertian
 /// surface (f = 1/π) facing the light shows, Lo = π f ⊗ c NoL. Akenine-Möller, Haines & Hoffman, "Real-Time
 /// Rendering", 3rd ed. 2008, §7.5. An irradiance E of the light is c = E / π.

@@ -39,6 +39,7 @@ struct Case {
   const char* scene;
   const char* environment;
   raster::Settings settings = {};
+  shade::ShadingModel shading = shade::shading_model_candela();
 
   double bound() const { return std::string_view(scene) == "demo:materials" ? kSameMask : kSame; }
 };
@@ -58,7 +59,7 @@ std::vector<Case> cases() {
           {"panel", "demo:cornell", "none"},
           {"relief", "demo:relief", "sky:22"},
           {"occlusion", "demo:materials", "studio", with([](auto& s) { s.occlusion_radius = 0.05f; })},
-          {"ue4", "demo:spheres", "studio", with([](auto& s) { s.shading = shade::shading_model_ue4(); })},
+          {"ue4", "demo:spheres", "studio", {}, shade::shading_model_ue4()},
           {"normals", "demo:materials", "studio", with([](auto& s) { s.quantity = raster::Quantity::normal; })}};
 }
 
@@ -83,8 +84,7 @@ DisplayImage draw(const Case& c, float brightness = 1.0f) {
   raster::Settings settings = c.settings;
   settings.width = kSize.x, settings.height = kSize.y;
   settings.frames = 4;
-  Diagnostics diagnostics;
-  const Film film = raster::render(scene, environment, default_view(scene, 1.5f), settings, diagnostics);
+  const Film film = raster::Drawer(borrowed(scene), environment, c.shading).render(default_view(scene, 1.5f), settings);
   DevelopSettings develop_settings = default_develop(scene, environment);
   develop_settings.dither = false;
   develop_settings.background = vec3(0.0f);

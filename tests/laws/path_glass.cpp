@@ -36,7 +36,7 @@ View front() { return look_at({0, 0, 3}, vec3(0.0f), 0.2f); }
 
 path::Settings before_background(int size, int samples, int bounces = 64) {
   path::Settings s = settings(size, samples, bounces);
-  s.background = path::Background::transparent;
+  s.background = Background::transparent;
   return s;
 }
 
@@ -273,7 +273,7 @@ TEST(law_path, glass_before_a_background_comes_to_its_noise_target) {
   path::Settings s = before_background(16, 65536);
   s.noise = 0.02f;
   path::Statistics statistics;
-  path::render(b.build(), constant_environment(vec3(0.25f)), front(), s, &statistics);
+  path::render(b.build(), constant_environment(vec3(0.25f)), front(), s, {}, &statistics);
   // A sample reflects with a chance of 0.04: 0.04 · 0.96 / 0.02² = 96.
   EXPECT_GT(statistics.mean_samples_per_pixel, 40.0);
   EXPECT_LT(statistics.mean_samples_per_pixel, 400.0);

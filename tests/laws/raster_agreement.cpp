@@ -31,9 +31,10 @@ raster::Settings drawn(int size) {
   return s;
 }
 
-Film draw(const Scene& scene, const Environment& environment, const View& view, const raster::Settings& settings) {
+Film draw(const Scene& scene, const Environment& environment, const View& view, const raster::Settings& settings,
+          const shade::ShadingModel& shading = shade::shading_model_candela()) {
   Diagnostics diagnostics;
-  Film film = test::draw(scene, environment, view, settings, diagnostics);
+  Film film = test::draw(scene, environment, view, settings, diagnostics, shading);
   EXPECT_TRUE(diagnostics.warnings().empty());
   return film;
 }
@@ -181,9 +182,8 @@ TEST_F(law_raster, other_shading_models_are_those_of_the_path_tracer) {
   for (const auto& [name, model] : other_models()) {
     path::Settings traced = centred(kSize, 1, 1);
     raster::Settings settings = drawn(kSize);
-    traced.shading = settings.shading = model;
-    const Film expected = shoot(scene, dark_environment(), sphere_view(), traced);
-    const Film found = draw(scene, dark_environment(), sphere_view(), settings);
+    const Film expected = shoot(scene, dark_environment(), sphere_view(), traced, model);
+    const Film found = draw(scene, dark_environment(), sphere_view(), settings, model);
     EXPECT_LT(compare(expected.beauty, found.beauty, 0.02).worst, 5e-3) << name;
     // The twin: the default model is seen to be another.
     EXPECT_GT(compare(expected.beauty, plain.beauty, 0.02).worst, name.find('=') == std::string::npos ? 5e-3 : 5e-4)
@@ -238,9 +238,8 @@ TEST_F(law_raster, other_shading_models_reflect_as_much_of_light_from_far_away) 
       // A shader takes seconds to compile.
       if (name != "gltf" && (is_layered || (name != "ue4" && name != "thesis"))) continue;
       path::Settings traced = test::settings(kPixels, 64, 1);
-      traced.shading = settings.shading = model;
-      const Film expected = shoot(scene, furnace, sphere_view(), traced);
-      const Film found = draw(scene, furnace, sphere_view(), settings);
+      const Film expected = shoot(scene, furnace, sphere_view(), traced, model);
+      const Film found = draw(scene, furnace, sphere_view(), settings, model);
       EXPECT_LT(difference_of_means(expected, found), 0.015) << name << (is_layered ? ", layered" : "");
       // The twin: what the default model reflects is told apart.
       EXPECT_GT(difference_of_means(expected, plain), 0.015) << name;
@@ -256,9 +255,7 @@ TEST_F(law_raster, no_two_presets_draw_the_same_picture) {
   pictures.emplace_back("candela", draw(scene, sky, sphere_view(), drawn(48)));
   for (const auto& [name, model] : other_models()) {
     if (name.find('=') != std::string::npos) continue;
-    raster::Settings settings = drawn(48);
-    settings.shading = model;
-    pictures.emplace_back(name, draw(scene, sky, sphere_view(), settings));
+    pictures.emplace_back(name, draw(scene, sky, sphere_view(), drawn(48), model));
     for (std::size_t i = 0; i + 1 < pictures.size(); ++i) {
       EXPECT_GT(mean_difference(pictures[i].second, pictures.back().second), 1e-3) << pictures[i].first << ' ' << name;
     }
@@ -855,7 +852,9 @@ TEST_F(law_raster, textures_that_a_driver_cannot_read_at_once_are_left_out_and_t
     raster::Settings s = drawn(kSize);
     s.most_textures = most;
     s.frames = 2;
-    return raster::render(drawn_scene, constant_environment(vec3(1.0f)), sphere_view(), s, diagnostics).beauty;
+    return raster::render(drawn_scene, constant_environment(vec3(1.0f)), sphere_view(), s,
+                          {.diagnostics = &diagnostics})
+        .beauty;
   };
   // Two tables and two cubes of light leave three.
   Diagnostics enough;
@@ -893,8 +892,8 @@ TEST_F(law_raster, textures_beyond_the_drivers_limit_are_halved_and_told) {
                                             : b.add_texture(kWide, 1, bytes, Filter::linear, Wrap::clamp_to_edge));
     b.add(plane(vec3(0.0f), 1.0f), m);
     Diagnostics diagnostics;
-    const Film film =
-        raster::render(b.build(), dark_environment(), look_at({0, 3, 0.01f}, vec3(0.0f), 0.4f), drawn(16), diagnostics);
+    const Film film = raster::render(b.build(), dark_environment(), look_at({0, 3, 0.01f}, vec3(0.0f), 0.4f), drawn(16),
+                                     {.diagnostics = &diagnostics});
     ASSERT_EQ(diagnostics.warnings().size(), 1u);
     EXPECT_NE(diagnostics.warnings()[0].message.find("larger than the driver's limit"), std::string::npos);
     const float left = film.beauty.rgb(2, 8).x, right = film.beauty.rgb(13, 8).x;
@@ -909,16 +908,13 @@ TEST_F(law_raster, probes_of_an_open_place_see_the_environment) {
   b.add(sphere(vec3(0.0f), 1.0f, 5, false), plastic(vec3(0.6f, 0.3f, 0.2f), 0.5f));
   const Scene scene = b.build();
   // A box far larger than the sphere: its walls are far away.
-  const Cubemap seen = path::capture_environment(SceneBuilder{}.build(), sky, vec3(0.0f), 64, {.samples = 64});
+  const path::Tracer nothing(SceneBuilder{}.build(), sky);
+  const Cubemap seen = path::capture_environment(nothing, vec3(0.0f), 64, {.samples = 64});
   const raster::Probe probe{vec3(0.0f), {vec3(-1e4f), vec3(1e4f)}, raster::bake_light(seen.levels[0], false)};
-  raster::Session session;
-  Diagnostics diagnostics;
+  raster::Drawer drawer(borrowed(scene), sky);
   const auto shown = [&](const std::vector<raster::Probe>& probes) {
-    Image image;
-    session.set_probes(probes);
-    session.draw(scene, sky, {sphere_view()}, drawn(kSize), diagnostics,
-                 [&](std::size_t, Film film) { image = std::move(film.beauty); });
-    return image;
+    drawer.set_probes(probes);
+    return drawer.render(sphere_view(), drawn(kSize)).beauty;
   };
   const Image without = shown({});
   raster::Probe near = probe;
@@ -1024,7 +1020,7 @@ TEST_F(law_raster, hidden_background_is_transparent_and_premultiplied) {
   half.alpha_mode = AlphaMode::blend, half.opacity = 0.5f;
   b.add(quad({-1, -1, 0}, {1, 0, 0}, {0, 2, 0}), half);
   raster::Settings settings = drawn(32);
-  settings.background = raster::Background::transparent;
+  settings.background = Background::transparent;
   const Film film = draw(b.build(), constant_environment(vec3(1.0f)), look_at({0, 0, 4}, vec3(0.0f), 0.4f), settings);
   const auto left = film.beauty.at(8, 16), right = film.beauty.at(24, 16);
   EXPECT_NEAR(left[3], 0.5f, 1e-3f);

@@ -44,7 +44,7 @@ raster::Settings before_background() {
   s.width = s.height = kSize;
   s.msaa = 1;
   s.specular_antialiasing = false;
-  s.background = raster::Background::transparent;
+  s.background = Background::transparent;
   return s;
 }
 
@@ -97,7 +97,7 @@ TEST_F(law_raster_glass, reflections_are_those_before_the_environment) {
     b.add(pane(), sheet(1.5f, roughness));
     raster::Settings s = before_background();
     const Film film = draw(b.build(), room, s);
-    s.background = raster::Background::environment;
+    s.background = Background::environment;
     const Film whole = draw(b.build(), room, s);
     SceneBuilder mirror;
     Material black = sheet(1.5f, roughness, vec3(0.0f));
@@ -123,7 +123,7 @@ TEST_F(law_raster_glass, both_engines_let_the_same_background_through) {
       b.add(left_half(-0.6f), unlit({0.1f, 0.5f, 0.2f}));
       const Film drawn = draw(b.build(), room, before_background());
       path::Settings s = settings(kSize, 256, 32);
-      s.background = path::Background::transparent;
+      s.background = Background::transparent;
       const Film traced = shoot(b.build(), room, front(), s);
       for (const Region& side : {Region{2, 12, 6, 20}, Region{26, 12, 30, 20}}) {
         const dvec3 through = mean_of(drawn.through, side), expected = mean_of(traced.through, side);
@@ -198,7 +198,7 @@ TEST_F(law_raster_glass, without_glass_or_before_the_environment_there_is_nothin
   s.quantity = raster::Quantity::transmission;
   EXPECT_TRUE(draw(b.build(), constant_environment(vec3(1.0f)), s).through.empty());
   s = before_background();
-  s.background = raster::Background::environment;
+  s.background = Background::environment;
   EXPECT_TRUE(draw(b.build(), constant_environment(vec3(1.0f)), s).through.empty());
 }
 

@@ -27,9 +27,8 @@ raster::Settings drawn() {
 
 Image draw(const Scene& scene, const View& view, const raster::Settings& settings = drawn(),
            const Environment& environment = dark_environment()) {
-  Diagnostics diagnostics;
   raster::Statistics statistics;
-  Image image = raster::render(scene, environment, view, settings, diagnostics, &statistics).beauty;
+  Image image = raster::render(scene, environment, view, settings, {}, &statistics).beauty;
   EXPECT_EQ(statistics.non_finite_pixels, 0u);
   return image;
 }
@@ -232,17 +231,14 @@ TEST_F(law_raster_lamps, sheen_is_read_from_the_levels_of_its_probe) {
   const raster::BakedLight whole = raster::bake_light(sky, true, {});
   ASSERT_GT(whole.sheen.levels.size(), 3u);
   const raster::Probe probe{vec3(0.0f), {vec3(-1e4f), vec3(1e4f)}, whole};
-  raster::Session session;
-  Diagnostics diagnostics;
+  const auto device = std::make_shared<raster::Device>();
   raster::Settings settings = drawn();
   settings.quantity = raster::Quantity::sheen;
   const View view = look_at({1.7f, 1.3f, 2.6f}, vec3(0.0f), 0.9f);
   const auto shown = [&](const std::vector<raster::Probe>& probes, const Environment& environment) {
-    Image image;
-    session.set_probes(probes);
-    session.draw(scene, environment, {view}, settings, diagnostics,
-                 [&](std::size_t, Film film) { image = std::move(film.beauty); });
-    return image;
+    raster::Drawer drawer(borrowed(scene), environment, shade::shading_model_candela(), device);
+    drawer.set_probes(probes);
+    return drawer.render(view, settings).beauty;
   };
   const Image expected = shown({}, sky);
   EXPECT_GT(mean_luminance(expected), 2e-3);

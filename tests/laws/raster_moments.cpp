@@ -88,15 +88,10 @@ std::vector<Change> changes() {
 /// The second of two pictures of one run: of a scene that was another at the first.
 Film after(const Scene& first, const Scene& second, const Environment& sky, const View& view,
            const raster::Settings& settings) {
-  raster::Session session;
-  Film film;
-  Diagnostics told;
-  session.draw(
-      first, sky, {view, view}, settings, told, [&](std::size_t, Film drawn) { film = std::move(drawn); }, nullptr,
-      [&](std::size_t picture, int) {
-        return raster::Moment{picture == 0 ? &first : &second, view};
-      });
-  return film;
+  raster::Drawer drawer(borrowed(first), sky);
+  drawer.render(view, settings);
+  drawer.set_scene(borrowed(second));
+  return drawer.render(view, settings);
 }
 
 TEST_F(law_raster_moments, a_moment_looks_as_the_scene_that_it_is) {
@@ -120,20 +115,13 @@ TEST_F(law_raster_moments, blur_of_what_fades_is_the_mean_of_its_moments) {
   const Environment sky = constant_environment(vec3(0.4f));
   const View view = look_at({0, 0, 5}, vec3(0.0f), 0.8f);
   raster::Settings settings = drawn(2);
-  settings.background = raster::Background::transparent;
+  settings.background = Background::transparent;
   const Scene rest = scene_of([](Scene&) {});
   for (const Change& change : changes()) {
     const Scene moment = scene_of(change.apply);
     const auto film_of = [&](const Scene& a, const Scene& b) {
-      raster::Session session;
-      Film film;
-      Diagnostics told;
-      session.draw(
-          a, sky, {view}, settings, told, [&](std::size_t, Film drawn) { film = std::move(drawn); }, nullptr,
-          [&](std::size_t, int frame) {
-            return raster::Moment{frame == 0 ? &a : &b, view};
-          });
-      return film;
+      raster::Drawer drawer(borrowed(a), sky);
+      return drawer.render([&](int frame) { return raster::Moment{borrowed(frame == 0 ? a : b), view}; }, settings);
     };
     // Each scene twice as the first and as the second half: together both halves of both.
     const Image forth = film_of(rest, moment).beauty, back = film_of(moment, rest).beauty;

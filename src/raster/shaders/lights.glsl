@@ -308,11 +308,10 @@ vec3 light_arriving(Light light, vec3 position, out vec3 wi) {
   if (light.profile >= 0) {
     vec3 z = -light.direction, x = light.across, y = cross(z, x) * light.handedness;
     vec3 d = vec3(dot(-wi, x), dot(-wi, y), dot(-wi, z));
-    float vertical = acos(clamp(-d.z, -1.0, 1.0)) / kShadePi;
-    float horizontal = fract(atan(d.y, d.x) / (2.0 * kShadePi));
+    vec2 angles = light_profile_angles(d);
     vec2 size = vec2(textureSize(light_profiles, 0).xy);
     // Entries stand at both ends of either axis.
-    vec2 at = (vec2(horizontal, vertical) * (size - 1.0) + 0.5) / size;
+    vec2 at = (vec2(fract(angles.x / (2.0 * kShadePi)), angles.y / kShadePi) * (size - 1.0) + 0.5) / size;
     e *= texture(light_profiles, vec3(at, float(light.profile))).x;
   }
   return e;

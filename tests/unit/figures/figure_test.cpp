@@ -81,7 +81,7 @@ TEST(unit_figures_figure, chosen_figures_stand_in_the_order_of_the_book) {
 TEST(unit_figures_figure, curves_are_well_formed_and_formulas_can_be_read) {
   const FigureSettings settings;
   Diagnostics diagnostics;
-  FigureContext context(settings, diagnostics);
+  FigureContext context(settings, {.diagnostics = &diagnostics});
   std::set<std::string> files;
   for (const FigureInfo& info : figures()) {
     if (info.chapter != Chapter::facets && info.chapter != Chapter::fresnel) continue;

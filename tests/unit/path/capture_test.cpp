@@ -26,8 +26,8 @@ double departure(const Cubemap& cube, double value) {
 Cubemap capture(const Scene& scene, const Environment& environment, vec3 position, int size, int samples,
                 int bounces = 4) {
   path::Statistics statistics;
-  Cubemap cube =
-      path::capture_environment(scene, environment, position, size, settings(1, samples, bounces), &statistics);
+  Cubemap cube = path::capture_environment(path::Tracer(scene, environment), position, size,
+                                           settings(1, samples, bounces), {}, &statistics);
   EXPECT_EQ(statistics.non_finite_samples, 0U);
   EXPECT_EQ(statistics.samples, 6U * static_cast<unsigned>(size * size * samples));
   return cube;
@@ -109,27 +109,20 @@ TEST(unit_path_capture, it_does_not_depend_on_the_number_of_threads) {
   EXPECT_TRUE(faces_are_equal(capture(scene, light, vec3(0.0f), 20, 4).levels[0], many.levels[0]));
 }
 
-TEST(unit_path_capture, progress_grows_from_face_to_face_and_a_stop_is_told) {
-  const Scene scene = coloured_room();
+TEST(unit_path_capture, progress_grows_from_face_to_face_and_a_stop_leaves_nothing) {
+  const path::Tracer tracer(coloured_room(), dark_environment());
   double last = 0.0;
-  path::Callbacks callbacks;
-  callbacks.progress = [&](const path::Progress& p) {
+  Job job;
+  job.progress = [&](const Progress& p) {
     EXPECT_GE(p.fraction, last);
     last = p.fraction;
   };
-  path::Statistics statistics;
-  path::capture_environment(scene, dark_environment(), vec3(0.0f), 8, settings(1, 4, 1), &statistics, callbacks);
+  path::capture_environment(tracer, vec3(0.0f), 8, settings(1, 4, 1), job);
   EXPECT_EQ(last, 1.0);
-  EXPECT_FALSE(statistics.interrupted);
   const std::atomic<bool> stop{true};
-  callbacks = {};
-  callbacks.stop = &stop;
-  const Cubemap cube =
-      path::capture_environment(scene, dark_environment(), vec3(0.0f), 8, settings(1, 4, 1), &statistics, callbacks);
-  EXPECT_TRUE(statistics.interrupted);
-  EXPECT_EQ(cube.levels[0][5].rgb(4, 4), vec3(0.0f));
-  EXPECT_THROW(path::capture_environment(scene, dark_environment(), vec3(0.0f), 0, settings(1, 4, 1)), Error);
-  EXPECT_THROW(path::capture_environment(scene, dark_environment(), vec3(1e20f), 8, settings(1, 4, 1)), Error);
+  EXPECT_THROW(path::capture_environment(tracer, vec3(0.0f), 8, settings(1, 4, 1), {.stop = &stop}), Interrupted);
+  EXPECT_THROW(path::capture_environment(tracer, vec3(0.0f), 0, settings(1, 4, 1)), Error);
+  EXPECT_THROW(path::capture_environment(tracer, vec3(1e20f), 8, settings(1, 4, 1)), Error);
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST(unit_path_instances, colours_of_nodes_are_those_of_materials_of_their_own) 
   for (const auto& list : {colors, faded}) {
     path::Statistics statistics;
     const Film by_node =
-        path::render(coloured_squares(true, list), dark_environment(), view, centred(48, 1, 1), &statistics);
+        path::render(coloured_squares(true, list), dark_environment(), view, centred(48, 1, 1), {}, &statistics);
     const Film by_material = shoot(coloured_squares(false, list), dark_environment(), view, centred(48, 1, 1));
     EXPECT_LT(glm::length(by_node.beauty.rgb(24, 24) - vec3(list[1])), 1e-6f);
     // At their edges instances are rounded another way.
@@ -149,7 +149,7 @@ TEST(unit_path_instances, statistics_count_what_is_stored_and_placed) {
   for (const bool shared : {true, false}) {
     path::Statistics statistics;
     path::render(three_bodies(shared, box(vec3(-0.5f), vec3(0.5f))), dark_environment(),
-                 look_at({0, 0, 5}, vec3(0.0f), 0.6f), settings(4, 1, 1), &statistics);
+                 look_at({0, 0, 5}, vec3(0.0f), 0.6f), settings(4, 1, 1), {}, &statistics);
     EXPECT_EQ(statistics.triangles, shared ? 14U : 38U);
     EXPECT_EQ(statistics.instances, shared ? 3U : 0U);
   }

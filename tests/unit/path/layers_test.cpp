@@ -106,7 +106,7 @@ TEST(unit_path_layers, background_is_the_environment_or_nothing) {
   path::Settings s = settings(32, 16, 2);
   const Film environment = shoot(known_scene(), e, view, s);
   EXPECT_LT(glm::length(environment.beauty.rgb(1, 1) - vec3(0.3f, 0.6f, 0.9f)), 1e-6f);
-  s.background = path::Background::transparent;
+  s.background = Background::transparent;
   const Film transparent = shoot(known_scene(), e, view, s);
   EXPECT_EQ(transparent.beauty.rgb(1, 1), vec3(0.0f));
   EXPECT_EQ(transparent.beauty.at(1, 1)[3], 0.0f);
@@ -122,7 +122,7 @@ TEST(unit_path_layers, alpha_of_a_transparent_background_is_the_coverage) {
   half.opacity = 0.3f;
   b.add(quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), half);
   path::Settings s = settings(16, 256, 1);
-  s.background = path::Background::transparent;
+  s.background = Background::transparent;
   const Film film = shoot(b.build(), dark_environment(), look_at({0, 0, 5}, vec3(0.0f), 0.2f), s);
   double alpha = 0.0;
   for (int i = 0; i < 256; ++i) alpha += static_cast<double>(film.beauty.at(i % 16, i / 16)[3]) / 256.0;

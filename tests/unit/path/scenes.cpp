@@ -295,9 +295,10 @@ path::Settings centred(int size, int samples, int bounces) {
   return s;
 }
 
-Film shoot(const Scene& scene, const Environment& environment, const View& view, const path::Settings& settings) {
+Film shoot(const Scene& scene, const Environment& environment, const View& view, const path::Settings& settings,
+           const shade::ShadingModel& shading) {
   path::Statistics statistics;
-  Film film = path::render(scene, environment, view, settings, &statistics);
+  Film film = path::Tracer(borrowed(scene), environment, shading).render(view, settings, {}, &statistics);
   EXPECT_EQ(statistics.non_finite_samples, 0U);
   return film;
 }

@@ -84,7 +84,8 @@ path::Settings settings(int size, int samples, int bounces);
 path::Settings centred(int size, int samples, int bounces);
 
 /// Renders, and fails the test when a sample was not finite.
-Film shoot(const Scene& scene, const Environment& environment, const View& view, const path::Settings& settings);
+Film shoot(const Scene& scene, const Environment& environment, const View& view, const path::Settings& settings,
+           const shade::ShadingModel& shading = shade::shading_model_candela());
 
 struct Region {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< x1 and y1 are outside

@@ -93,7 +93,7 @@ TEST(unit_path_settings, samples_are_counted) {
     path::Statistics statistics;
     path::Settings s = settings(21, samples, 2);
     s.height = 10;
-    path::render(mixture(), sky(), mixture_view(), s, &statistics);
+    path::render(mixture(), sky(), mixture_view(), s, {}, &statistics);
     EXPECT_EQ(statistics.samples, static_cast<std::uint64_t>(210 * samples));
     EXPECT_DOUBLE_EQ(statistics.mean_samples_per_pixel, samples);
     EXPECT_GE(statistics.camera_rays, statistics.samples);
@@ -174,7 +174,7 @@ TEST(unit_path_settings, noise_target_is_reached_and_saves_samples) {
   for (const float target : {0.1f, 0.03f}) {
     s.noise = target;
     path::Statistics statistics;
-    const Film film = path::render(scene, sky(), mixture_view(), s, &statistics);
+    const Film film = path::render(scene, sky(), mixture_view(), s, {}, &statistics);
     EXPECT_LT(statistics.mean_samples_per_pixel, 2000.0);
     EXPECT_GE(statistics.mean_samples_per_pixel, 16.0);
     const double reference = mean_luminance(truth.beauty);
@@ -199,7 +199,7 @@ TEST(unit_path_settings, flat_pictures_stop_at_the_first_look) {
   s.noise = 0.01f;
   path::Statistics statistics;
   SceneBuilder b;
-  path::render(b.build(), constant_environment(vec3(0.5f)), mixture_view(), s, &statistics);
+  path::render(b.build(), constant_environment(vec3(0.5f)), mixture_view(), s, {}, &statistics);
   EXPECT_DOUBLE_EQ(statistics.mean_samples_per_pixel, 16.0);
 }
 
@@ -207,7 +207,7 @@ TEST(unit_path_settings, time_limit_ends_the_work) {
   path::Settings s = settings(48, 1 << 24, 4);
   s.time_limit_s = 0.3;
   path::Statistics statistics;
-  const Film film = path::render(mixture(), sky(), mixture_view(), s, &statistics);
+  const Film film = path::render(mixture(), sky(), mixture_view(), s, {}, &statistics);
   EXPECT_GE(statistics.render_s, 0.29);
   EXPECT_LT(statistics.render_s, 3.0);  // generous: machines are busy
   EXPECT_GE(statistics.mean_samples_per_pixel, 1.0);
@@ -219,26 +219,26 @@ TEST(unit_path_settings, stop_flag_leaves_a_complete_picture) {
   // Large enough that one pass is more than one chunk of tiles; the flag is up before the work begins.
   path::Settings s = settings(320, 4096, 1);
   std::atomic<bool> stop{true};
-  path::Callbacks callbacks;
-  callbacks.stop = &stop;
+  Job job;
+  job.stop = &stop;
   path::Statistics statistics;
-  const Film film = path::render(mixture(), sky(), mixture_view(), s, &statistics, callbacks);
+  const Film film = path::render(mixture(), sky(), mixture_view(), s, job, &statistics);
   EXPECT_TRUE(statistics.interrupted);
   EXPECT_LT(statistics.mean_samples_per_pixel, 64.0);
   for (int i = 0; i < 320 * 320; ++i) ASSERT_EQ(film.beauty.at(i % 320, i / 320)[3], 1.0f) << i;
 }
 
-// ----- callbacks
+// ----- jobs
 
-std::vector<path::Progress> progress_of(const path::Settings& s) {
-  std::vector<path::Progress> seen;
-  path::Callbacks callbacks;
+std::vector<Progress> progress_of(const path::Settings& s) {
+  std::vector<Progress> seen;
+  Job job;
   const auto thread = std::this_thread::get_id();
-  callbacks.progress = [&](const path::Progress& p) {
+  job.progress = [&](const Progress& p) {
     EXPECT_EQ(std::this_thread::get_id(), thread);
     seen.push_back(p);
   };
-  path::render(mixture(), sky(), mixture_view(), s, nullptr, callbacks);
+  path::render(mixture(), sky(), mixture_view(), s, job);
   return seen;
 }
 
@@ -253,7 +253,7 @@ TEST(unit_path_settings, progress_only_grows_and_ends_at_one) {
     ASSERT_GE(seen.size(), 3U);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       EXPECT_GE(seen[i].fraction, i == 0 ? 0.0 : seen[i - 1].fraction);
-      EXPECT_GE(seen[i].mean_samples, i == 0 ? 0.0 : seen[i - 1].mean_samples);
+      EXPECT_GE(seen[i].samples_per_pixel, i == 0 ? 0.0 : seen[i - 1].samples_per_pixel);
       EXPECT_GE(seen[i].seconds, i == 0 ? 0.0 : seen[i - 1].seconds);
       EXPECT_LE(seen[i].fraction, 1.0);
       EXPECT_GE(seen[i].remaining_s.value_or(0.0), 0.0);
@@ -269,10 +269,10 @@ TEST(unit_path_settings, partial_pictures_grow_into_the_final_one) {
   path::Settings s = settings(64, 64, 2);
   s.layers = {Layer::albedo, Layer::depth};
   std::vector<Film> films;
-  path::Callbacks callbacks;
-  callbacks.partial = [&](const Film& film) { films.push_back(film); };
-  callbacks.partial_interval_s = 1e-9;
-  const Film final = path::render(mixture(), sky(), mixture_view(), s, nullptr, callbacks);
+  Job job;
+  job.partial = [&](const Film& film) { films.push_back(film); };
+  job.partial_interval_s = 1e-9;
+  const Film final = path::render(mixture(), sky(), mixture_view(), s, job);
   ASSERT_GE(films.size(), 3U);
   for (const Film& film : films) {
     ASSERT_EQ(film.width(), 64);
@@ -281,9 +281,9 @@ TEST(unit_path_settings, partial_pictures_grow_into_the_final_one) {
   EXPECT_LT(largest_difference(films.back().beauty, final.beauty), 1e-6);
   EXPECT_GT(largest_difference(films.front().beauty, final.beauty), 1e-2);
 
-  callbacks.partial_interval_s = 1e9;
+  job.partial_interval_s = 1e9;
   films.clear();
-  path::render(mixture(), sky(), mixture_view(), s, nullptr, callbacks);
+  path::render(mixture(), sky(), mixture_view(), s, job);
   EXPECT_TRUE(films.empty());
 }
 
@@ -292,11 +292,11 @@ TEST(unit_path_settings, a_noise_target_that_is_not_reached_is_counted) {
   path::Settings s;
   s.width = 24, s.height = 16, s.samples = 8;
   path::Statistics statistics;
-  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, &statistics);
+  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, {}, &statistics);
   EXPECT_FALSE(statistics.noise.has_value());
 
   s.noise = 1e-6f;
-  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, &statistics);
+  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, {}, &statistics);
   ASSERT_TRUE(statistics.noise.has_value());
   EXPECT_GT(statistics.noise->share_above, 0.1);
   EXPECT_GT(statistics.noise->worst, 1e-6f);
@@ -304,13 +304,13 @@ TEST(unit_path_settings, a_noise_target_that_is_not_reached_is_counted) {
 
   s.samples = 1 << 20;
   s.time_limit_s = 0.05;
-  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, &statistics);
+  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, {}, &statistics);
   EXPECT_TRUE(statistics.timed_out);
   EXPECT_GT(statistics.noise->share_above, 0.0);
 
   s.noise = 0.9f;
   s.time_limit_s.reset();
-  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, &statistics);
+  render(scene, {}, look_at({1, 2, 3}, vec3(0.0f), 0.8f), s, {}, &statistics);
   EXPECT_FALSE(statistics.timed_out);
   EXPECT_EQ(statistics.noise->share_above, 0.0);
   EXPECT_LT(statistics.noise->worst, 0.9f);

@@ -1,0 +1,180 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "candela/candela.h"
+
+/// Recipes: what is asked of a picture, or of a set of them, by either engine, from the file to what is developed.
+namespace candela {
+
+enum class Engine { path, raster };
+
+/// How the light of every point and spot falls off.
+struct FalloffChoice {
+  Falloff kind = Falloff::gltf;
+  std::optional<vec3> polynomial = {};  ///< empty = each light's own
+};
+
+/// What is asked for. Whatever is empty is as the scene wishes. An Error about a member names the option of `candela
+/// render` that sets it.
+struct Shot {
+  std::string scene;  ///< a file, or "demo:NAME"
+  LoadOptions load = {};
+  Engine engine = Engine::path;
+
+  // ----- the picture
+  ivec2 size{1280, 720};
+  std::set<Layer> layers = {};
+  Background background = Background::environment;
+  bool environment_in_glass = false;  ///< of another background: glass shows the environment behind it all the same
+  shade::ShadingModel shading = shade::shading_model_candela();
+  std::string shading_name = {};  ///< for the metadata; empty = the default model
+  path::Settings traced = {};     ///< what the path tracer alone knows: the members above go before
+  raster::Settings drawn = {};    ///< what the rasterizer alone knows, likewise
+  int probes = 0;                 ///< of the rasterizer: places where light from within the scene is traced
+
+  // ----- where it is taken from: the first of these that is given, else default_view()
+  std::optional<vec3> eye = {};
+  std::optional<vec3> target = {};  ///< what the eye looks at, and what is sharp; empty = the subject's centre
+  std::optional<Orbit> orbit = {};
+  std::optional<std::string> camera = {};  ///< of the scene, by number or name
+  bool ignores_planes = false;             ///< near and far ones of the scene's cameras
+  std::optional<float> yfov = {};
+  std::optional<int> turntable = {};  ///< so many pictures all around the subject
+
+  // ----- the lens
+  std::optional<float> f_number = {};
+  std::optional<float> focus_distance = {};  ///< metres
+  bool focuses_on_target = false;            ///< whatever the scene's own camera does; always with `f_number`
+  int blades = 0;
+  float vignetting = 0.0f;
+
+  // ----- light
+  std::optional<std::string> environment = {};  ///< a name for make_environment()
+  float environment_rotation = 0.0f;            ///< radians
+  float environment_intensity = 1.0f;
+  std::optional<FalloffChoice> falloff = {};
+
+  // ----- when
+  std::optional<std::string> animation = {};  ///< as Pose::animation names it
+  std::optional<double> moment_s = {};        ///< empty = at rest, or the animation's beginning
+  double shutter_s = 0.0;                     ///< how long a picture is exposed while the scene moves
+  std::optional<int> sequence = {};           ///< so many pictures over the animation
+
+  // ----- how it is shown
+  std::optional<std::optional<float>> exposure = {};  ///< a factor, or empty: metered
+  ToneCurve tone_curve = ToneCurve::pbr_neutral;
+  float bloom = 0.0f;
+  std::optional<vec3> background_color = {};  ///< linear; shows through where the picture is transparent
+
+  bool has_many_pictures() const { return turntable || sequence; }
+};
+
+/// `view` turned about the vertical axis through `center` by `count` equal steps, the first by none.
+std::vector<View> all_around(const View& view, vec3 center, int count);
+
+/// The settings of an engine that a shot comes to.
+path::Settings traced_settings(const Shot& shot);
+raster::Settings drawn_settings(const Shot& shot);
+/// Most bytes that one picture of it takes, beside the scene.
+std::uint64_t picture_bytes(const Shot& shot);
+
+/// What several shots share: environments by their names, and the driver.
+class Stage {
+ public:
+  /// make_environment(), once per name; every call warns again.
+  const Environment& environment(const std::string& name, Diagnostics* diagnostics = nullptr);
+  /// Opened by the first call. Throws Error where there is no OpenGL.
+  std::shared_ptr<raster::Device> device();
+
+ private:
+  struct Loaded {
+    Environment environment;
+    Diagnostics diagnostics;
+  };
+  std::map<std::string, Loaded> environments_;
+  std::shared_ptr<raster::Device> device_;
+};
+
+/// One picture of a take.
+struct TakenPicture {
+  std::size_t index = 0;
+  Film film;                     ///< with metadata: scene, camera, environment, samples, …
+  DevelopSettings develop;       ///< pictures of one take have one exposure, that of the first
+  path::Statistics traced = {};  ///< of the engine that made it
+  raster::Statistics drawn = {};
+  bool is_whole() const { return !traced.interrupted && !drawn.interrupted; }
+};
+
+/// What became of the pictures of a take.
+struct TakeResult {
+  std::size_t asked = 0;
+  std::size_t done = 0;
+  bool interrupted = false;         ///< with samples, frames or pictures left
+  bool is_last_unfinished = false;  ///< of those that are done
+  path::Statistics traced = {};     ///< of all, by the engine that made them
+  raster::Statistics drawn = {};
+};
+
+/// A shot that is being taken: its file is open, its pictures can be had. Warnings go to `diagnostics`, which must
+/// outlive it.
+class Take {
+ public:
+  /// Opens the file. Throws Error.
+  explicit Take(Shot shot, Diagnostics* diagnostics = nullptr, std::shared_ptr<Stage> stage = nullptr);
+
+  /// All that the scene is read from.
+  std::vector<io::ReferencedFile> files() const { return asset_.files(); }
+  /// Loads scene and light and chooses views and moments; render() would do it. Throws Error for what the scene has
+  /// not.
+  void prepare();
+  /// How its pictures are shown, as far as it is known; after prepare().
+  const DevelopSettings& develop() const { return develop_; }
+
+  /// Makes the pictures one after the other and hands each to `take`. After a stop the one at hand is handed over as it
+  /// is, and no other is begun; throws Interrupted where there is none. Partial pictures have their metadata. Throws
+  /// Error as the engines do.
+  TakeResult render(const std::function<void(TakenPicture)>& take, const Job& job = {});
+
+ private:
+  void choose_moments();
+  void choose_camera();
+  View choose_view(const Scene& scene, std::string& description) const;
+  void set_lens(const Scene& scene, View& view) const;
+  Scene scene_at(double moment_s);
+  View view_at(const Scene& scene, std::size_t index) const;
+  std::map<std::string, std::string> metadata(double samples_per_pixel) const;
+  void hand_over(std::size_t index, Film film, TakenPicture picture, TakeResult& result,
+                 const std::function<void(TakenPicture)>& take);
+  TakeResult trace(const std::function<void(TakenPicture)>& take, const Job& job);
+  Film trace_one(std::size_t index, const Job& job, path::Statistics& statistics);
+  Film trace_moving(std::size_t index, const Job& job, path::Statistics& statistics);
+  TakeResult draw(const std::function<void(TakenPicture)>& take, const Job& job);
+  Film draw_one(std::size_t index, raster::Drawer& drawer, const Job& job, raster::Statistics& statistics);
+  void warn(std::string message) const;
+
+  Shot shot_;
+  Diagnostics* diagnostics_;
+  std::shared_ptr<Stage> stage_;
+  Asset asset_;
+  bool is_prepared_ = false;
+  bool is_moving_ = false;                  ///< an animation is shown
+  std::vector<double> moments_s_;           ///< of each picture, from the animation's start
+  std::optional<std::size_t> camera_node_;  ///< the scene's own camera that is looked through for want of another
+  bool has_own_camera_ = false;             ///< which may move
+  std::shared_ptr<const Scene> scene_;      ///< of the first picture
+  Environment environment_;
+  std::vector<View> views_;
+  DevelopSettings develop_;
+  std::string camera_;                  ///< in words, for the metadata
+  std::optional<path::Tracer> tracer_;  ///< of the scene that was traced last
+};
+
+}  // namespace candela

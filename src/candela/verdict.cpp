@@ -1,0 +1,156 @@
+#include "candela/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+#include <utility>
+
+#include "base/parallel.h"
+#include "io/foreign_scene.h"
+#include "io/gltf_survey.h"
+#include "io/scene_files.h"
+
+namespace candela {
+
+namespace fs = std::filesystem;
+using check::Finding;
+using check::Severity;
+
+std::size_t Verdict::count(Severity severity) const {
+  return static_cast<std::size_t>(std::count_if(
+      findings.begin(), findings.end(), [severity](const NamedFinding& f) { return f.finding.severity == severity; }));
+}
+
+namespace {
+
+std::size_t triangles_of(const Scene& scene) {
+  std::size_t count = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const Primitive& primitive : mesh.primitives) count += primitive.triangles.size();
+  }
+  return count;
+}
+
+std::vector<NamedFinding> named(const Scene& scene, const FileSurvey* survey, std::vector<Finding> findings) {
+  std::vector<NamedFinding> result;
+  result.reserve(findings.size());
+  for (Finding& f : findings) {
+    std::string material = f.material < 0 ? "" : check::material_label(scene, f.material);
+    std::string texture = f.texture < 0 ? "" : check::texture_label(scene, f.texture, survey);
+    // From here on people read it: their numbers are the file's.
+    if (f.material >= 0) f.material = number_of(scene.materials, static_cast<std::size_t>(f.material));
+    if (f.texture >= 0) f.texture = number_of(scene.textures, static_cast<std::size_t>(f.texture));
+    result.push_back({std::move(f), std::move(material), std::move(texture)});
+  }
+  return result;
+}
+
+Verdict verdict_of(const std::string& name, const check::CheckInput& input, const Job& job) {
+  return {name, std::nullopt, named(input.scene, input.survey, check::check_asset(input, job)),
+          input.scene.materials.size(), triangles_of(input.scene)};
+}
+
+/// What keeps a file from being judged: its images, each that fails, or else what the loader says.
+std::vector<NamedFinding> causes(const std::string& name, const LoadOptions& options, const Error& error) {
+  std::vector<NamedFinding> result;
+  try {
+    const FileSurvey survey = io::survey_gltf(name, {.read_geometry = false,
+                                                     .decode_images = true,
+                                                     .root = options.root,
+                                                     .scene = options.scene,
+                                                     .measures = options.measures});
+    for (Finding& f : check::check_images(survey)) result.push_back({std::move(f), {}, {}});
+  } catch (const Error&) {
+    // The file itself is damaged, as `error` says.
+  }
+  if (result.empty()) {
+    Finding f;
+    f.severity = Severity::error;
+    f.code = "unreadable";
+    f.message = error.what();
+    result.push_back({std::move(f), {}, {}});
+  }
+  return result;
+}
+
+/// What a variant's materials add to the findings of those that primitives name themselves.
+void add_variant(const std::string& name, LoadOptions options, const std::string& variant, Verdict& verdict) {
+  Diagnostics diagnostics;
+  options.variant = variant;
+  const Scene scene = io::load_gltf(name, diagnostics, options);
+  const auto key = [](const NamedFinding& t) { return t.finding.code + '\n' + t.material + '\n' + t.finding.message; };
+  std::set<std::string> known;
+  for (const NamedFinding& t : verdict.findings) known.insert(key(t));
+  for (NamedFinding& own : named(scene, nullptr, check::check_asset({.scene = scene}))) {
+    if (known.contains(key(own))) continue;
+    own.finding.subject += (own.finding.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
+    verdict.findings.push_back(std::move(own));
+  }
+}
+
+Verdict judge_file(const std::string& name, const LoadOptions& options, const Job& job) {
+  try {
+    Diagnostics diagnostics;
+    io::FileInfo info;
+    const Scene scene = io::load_gltf(name, diagnostics, options, &info);
+    // Of an image that did not decode the survey says so, too.
+    const bool has_lost_images =
+        std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
+                    [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
+    const FileSurvey survey = io::survey_gltf(
+        name,
+        {.decode_images = has_lost_images, .root = options.root, .scene = options.scene, .measures = options.measures});
+    Verdict verdict = verdict_of(name,
+                                 {.scene = scene,
+                                  .survey = &survey,
+                                  .extensions_used = info.extensions_used,
+                                  .extensions_ignored = info.extensions_ignored,
+                                  .extensions_missing = info.extensions_missing,
+                                  .warnings = diagnostics.warnings(),
+                                  .notes = diagnostics.notes()},
+                                 job);
+    for (const std::string& variant : info.variants) add_variant(name, options, variant, verdict);
+    std::stable_sort(
+        verdict.findings.begin(), verdict.findings.end(),
+        [](const NamedFinding& a, const NamedFinding& b) { return a.finding.severity > b.finding.severity; });
+    return verdict;
+  } catch (const Error& error) {
+    return {name, error.what(), causes(name, options, error)};
+  }
+}
+
+bool is_scene_file(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".gltf" || extension == ".glb" || io::has_foreign_extension(path) ||
+         (extension == ".zip" && io::is_scene_archive(path));
+}
+
+}  // namespace
+
+Verdict judge(const std::string& name, const LoadOptions& options, const Job& job) {
+  const StopScope scope(job.stop);
+  if (!name.starts_with("demo:")) return judge_file(name, options, job);
+  const Scene scene = load(name, nullptr, options);
+  return verdict_of(name, {.scene = scene}, job);
+}
+
+std::vector<std::string> scenes_below(const fs::path& folder) {
+  std::vector<std::string> result;
+  std::error_code code;
+  fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, code);
+  for (; !code && at != fs::recursive_directory_iterator(); at.increment(code)) {
+    std::error_code ignored;
+    const fs::path& path = at->path();
+    if (is_scene_file(path) && at->is_regular_file(ignored)) result.push_back(path.string());
+  }
+  if (code) throw Error("cannot list the folder: " + code.message(), folder.string());
+  if (result.empty()) throw Error("there is no scene in this folder", folder.string());
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+}  // namespace candela

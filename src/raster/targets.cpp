@@ -1,0 +1,206 @@
+// What of Renderer is about the pictures that it draws into: how they are made, resolved, read and shown.
+
+#include "raster/targets.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raster/renderer.h"
+
+namespace candela::raster {
+
+namespace {
+
+Image read_pixels(int width, int height) {
+  Image image(width, height, 4);
+  std::vector<float> row(static_cast<std::size_t>(width) * 4);
+  std::vector<float> all(image.pixels.size());
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, all.data());
+  gl::check("reading the picture");
+  const std::size_t stride = row.size();
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
+    std::copy_n(all.data() + (static_cast<std::size_t>(height) - 1 - y) * stride, stride,
+                image.pixels.data() + y * stride);
+  }
+  return image;
+}
+
+}  // namespace
+
+void Renderer::make_targets() {
+  const int w = settings_.width, h = settings_.height;
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
+  if (std::max(w, h) > most)
+    throw Error("the driver draws no more than " + std::to_string(most) + " pixels a side", "--size");
+  GLint most_samples = 1;
+  glGetInternalformativ(GL_RENDERBUFFER, GL_RGBA16F, GL_SAMPLES, 1, &most_samples);
+  const int samples = std::min(settings_.msaa, most_samples) <= 1 ? 0 : std::min(settings_.msaa, most_samples);
+
+  // Half floats end at 65504, which lengths may exceed.
+  const bool is_length = settings_.quantity == Quantity::position || settings_.quantity == Quantity::depth;
+  const GLenum format = is_length && gl::has_extension("GL_EXT_color_buffer_float") ? GL_RGBA32F : GL_RGBA16F;
+  glBindRenderbuffer(GL_RENDERBUFFER, target_.color);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, w, h);
+  glBindRenderbuffer(GL_RENDERBUFFER, target_.depth);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH_COMPONENT32F, w, h);
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_.color);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target_.depth);
+  // At another moment what a scene has now may be gone, and come back.
+  has_scattering_ |= wants_scattering();
+  has_opaque_picture_ |= wants_opaque_picture();
+  if (has_scattering_) {
+    for (std::size_t i = 0; i < scattered_.size(); ++i) {
+      glBindRenderbuffer(GL_RENDERBUFFER, scattered_samples_[i]);
+      glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
+      glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1 + static_cast<GLenum>(i), GL_RENDERBUFFER,
+                                scattered_samples_[i]);
+    }
+  }
+  has_through_ = settings_.background == Background::transparent && !settings_.environment_in_glass &&
+                 has_opaque_picture_ && is_whole(settings_.quantity);
+  if (has_through_) {
+    glBindRenderbuffer(GL_RENDERBUFFER, through_samples_);
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_RGBA16F, w, h);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, kThroughAttachment, GL_RENDERBUFFER, through_samples_);
+  }
+  check_framebuffer("half floats");
+  settings_.msaa = std::max(samples, 1);
+
+  const auto make_picture = [&](const gl::Texture& texture, const gl::Framebuffer& framebuffer, GLint min,
+                                GLenum kind = GL_RGBA16F) {
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(kind), w, h, 0, GL_RGBA, GL_FLOAT, nullptr);
+    filter(GL_TEXTURE_2D, min, kind == GL_RGBA32F ? GL_NEAREST : GL_LINEAR);
+    wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+    check_framebuffer("half floats");
+  };
+  make_picture(resolved_, resolved_framebuffer_, format == GL_RGBA32F ? GL_NEAREST : GL_LINEAR, format);
+  for (std::size_t i = 0; has_scattering_ && i < scattered_.size(); ++i) {
+    make_picture(scattered_[i], scattered_framebuffer_[i], GL_NEAREST);
+  }
+  if (has_through_) make_picture(through_, through_framebuffer_, GL_NEAREST);
+  if (has_opaque_picture_) {
+    make_picture(opaque_picture_, picture_framebuffer_, GL_LINEAR_MIPMAP_LINEAR);
+    picture_levels_ = 1 + static_cast<int>(std::log2(static_cast<float>(std::max(w, h))));
+  }
+  gl::check("making the picture");
+}
+
+void Renderer::make_occlusion_targets() {
+  // Half of the picture's: what is open changes slowly.
+  const int w = (settings_.width + 1) / 2, h = (settings_.height + 1) / 2;
+  const auto make = [&](const gl::Texture& texture, const gl::Framebuffer& framebuffer, GLint format, GLenum layout,
+                        GLenum type, GLenum attachment) {
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glTexImage2D(GL_TEXTURE_2D, 0, format, w, h, 0, layout, type, nullptr);
+    filter(GL_TEXTURE_2D, GL_NEAREST, GL_NEAREST);
+    wrap(GL_TEXTURE_2D, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
+  };
+  make(depth_map_, depth_framebuffer_, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT);
+  const GLenum none = GL_NONE;
+  glDrawBuffers(1, &none);
+  check_framebuffer("a map of depth");
+  make(culled_map_, culled_framebuffer_, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT);
+  glDrawBuffers(1, &none);
+  check_framebuffer("a map of depth");
+  for (std::size_t i = 0; i < visibility_.size(); ++i) {
+    make(visibility_[i], visibility_framebuffer_[i], GL_RG16F, GL_RG, GL_FLOAT, GL_COLOR_ATTACHMENT0);
+    check_framebuffer("half floats");
+  }
+}
+
+void Renderer::resolve(GLuint framebuffer) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.framebuffer);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  glBlitFramebuffer(0, 0, settings_.width, settings_.height, 0, 0, settings_.width, settings_.height,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void Renderer::resolve_through() {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.framebuffer);
+  glReadBuffer(kThroughAttachment);
+  resolve(through_framebuffer_);
+  glBindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  use_color_attachments(1);
+}
+
+Image Renderer::read() {
+  glBindFramebuffer(GL_FRAMEBUFFER, resolved_framebuffer_);
+  return read_pixels(settings_.width, settings_.height);
+}
+
+Image Renderer::read_through() {
+  if (!has_through_) return {};
+  glBindFramebuffer(GL_FRAMEBUFFER, through_framebuffer_);
+  return read_pixels(settings_.width, settings_.height);
+}
+
+void Renderer::present(ivec2 size, float exposure, ToneCurve tone_curve) {
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, size.x, size.y);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  const gl::Program& program = programs_.fullscreen("present.frag.glsl");
+  glUseProgram(program.id());
+  program.bind("picture", GL_TEXTURE_2D, resolved_);
+  glUniform1f(program.uniform("exposure"), exposure);
+  glUniform1i(program.uniform("tone_curve"), static_cast<GLint>(tone_curve));
+  glBindVertexArray(nothing_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  gl::check("showing the picture");
+}
+
+void Renderer::resize(int width, int height) {
+  settings_.width = width;
+  settings_.height = height;
+  make_targets();
+  make_occlusion_targets();
+}
+
+Image Renderer::read_layer(const View& view, Layer layer) {
+  const FrameCamera camera = frame_camera(relative(view), settings_.width, settings_.height, range_);
+  bind_frame(camera);
+  Target target;
+  glBindRenderbuffer(GL_RENDERBUFFER, target.color);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, settings_.width, settings_.height);
+  glBindRenderbuffer(GL_RENDERBUFFER, target.depth);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, settings_.width, settings_.height);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
+  check_framebuffer("floats");
+  glViewport(0, 0, settings_.width, settings_.height);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  const float nothing = layer == Layer::depth ? kInfinity : layer == Layer::albedo ? 1.0f : 0.0f;
+  const std::array<float, 4> clear = {nothing, nothing, nothing, 0.0f};
+  glClearBufferfv(GL_COLOR, 0, clear.data());
+  glClearDepthf(1.0f);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  draw_quantity(quantity_of(layer), camera);
+  const Image rgba = read_pixels(settings_.width, settings_.height);
+  const int channels = layer == Layer::depth || layer == Layer::object_id ? 1 : 3;
+  Image image(settings_.width, settings_.height, channels);
+  for (std::size_t i = 0; i < rgba.pixels.size() / 4; ++i) {
+    for (int c = 0; c < channels; ++c) {
+      // A position is the world's again.
+      const bool is_place = layer == Layer::position && rgba.pixels[4 * i + 3] > 0.0f;
+      image.pixels[i * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] =
+          rgba.pixels[4 * i + static_cast<std::size_t>(c)] + (is_place ? gpu_.origin()[c] : 0.0f);
+    }
+  }
+  return image;
+}
+
+}  // namespace candela::raster

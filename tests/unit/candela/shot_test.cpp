@@ -1,0 +1,174 @@
+#include "candela/shot.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "candela/light.h"
+#include "candela/verdict.h"
+#include "ibl/cube.h"
+#include "path/capture.h"
+#include "unit/image/labelled_cube.h"
+#include "unit/path/scenes.h"
+
+namespace candela {
+namespace {
+
+using namespace test;
+
+Shot small() {
+  Shot shot{.scene = "demo:spheres", .size = {24, 16}};
+  shot.traced.samples = 2;
+  shot.environment = "furnace";
+  return shot;
+}
+
+std::vector<TakenPicture> taken(const Shot& shot, const Job& job = {}) {
+  std::vector<TakenPicture> pictures;
+  Take(shot).render([&](TakenPicture picture) { pictures.push_back(std::move(picture)); }, job);
+  return pictures;
+}
+
+TEST(unit_candela_shot, a_turntable_is_the_scene_from_all_around) {
+  Shot shot = small();
+  shot.turntable = 4;
+  shot.exposure = std::optional<float>();  // metered
+  const std::vector<TakenPicture> pictures = taken(shot);
+  ASSERT_EQ(pictures.size(), 4u);
+  const Scene scene = load(shot.scene);
+  const Environment light = make_environment("furnace");
+  const View front = default_view(scene, 1.5f);
+  const vec3 center = subject_bounds(scene).center();
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const float angle = 0.5f * kPi * static_cast<float>(i);
+    View view = front;
+    view.world_from_camera =
+        translation(center) * rotation({0, 1, 0}, angle) * translation(-center) * front.world_from_camera;
+    const Film expected = path::render(scene, light, view, traced_settings(shot));
+    EXPECT_EQ(pictures[i].index, i);
+    EXPECT_LT(glm::length(mean_of(pictures[i].film.beauty) - mean_of(expected.beauty)), 2e-2) << i;
+    EXPECT_EQ(pictures[i].develop.exposure, pictures[0].develop.exposure) << "one for all";
+    EXPECT_EQ(pictures[i].film.metadata.at("camera"), "default");
+    // The acceleration structure is made once.
+    EXPECT_EQ(pictures[i].traced.build_s > 0.0, i == 0);
+  }
+  EXPECT_TRUE(films_are_identical(pictures[0].film, path::render(scene, light, front, traced_settings(shot))));
+  EXPECT_FALSE(films_are_identical(pictures[0].film, pictures[2].film));
+}
+
+TEST(unit_candela_shot, a_stop_leaves_the_picture_at_hand_and_begins_no_other) {
+  Shot shot = small();
+  shot.turntable = 3;
+  shot.traced.samples = 100000;
+  const std::atomic<bool> stop{true};
+  std::size_t count = 0;
+  const TakeResult result = Take(shot).render(
+      [&](const TakenPicture& picture) {
+        EXPECT_FALSE(picture.is_whole());
+        ++count;
+      },
+      {.stop = &stop});
+  EXPECT_EQ(count, 1u);
+  EXPECT_EQ(result.done, 1u);
+  EXPECT_EQ(result.asked, 3u);
+  EXPECT_TRUE(result.interrupted && result.is_last_unfinished);
+}
+
+TEST(unit_candela_shot, progress_grows_over_all_pictures_and_partial_ones_have_metadata) {
+  Shot shot = small();
+  shot.turntable = 2;
+  double last = 0.0;
+  int partials = 0;
+  Job job;
+  job.progress = [&](const Progress& p) {
+    EXPECT_GE(p.fraction, last);
+    EXPECT_NE(p.what.find("of 2"), std::string::npos);
+    last = p.fraction;
+  };
+  job.partial_interval_s = 0.0;
+  job.partial = [&](const Film& film) {
+    EXPECT_EQ(film.metadata.at("scene"), "demo:spheres");
+    ++partials;
+  };
+  taken(shot, job);
+  EXPECT_EQ(last, 1.0);
+  EXPECT_GT(partials, 2);
+}
+
+TEST(unit_candela_shot, what_the_scene_has_not_is_named_by_its_option) {
+  const auto where = [](const std::function<void(Shot&)>& change) -> std::string {
+    Shot shot = small();
+    change(shot);
+    try {
+      Take(shot).prepare();
+    } catch (const Error& error) {
+      return error.where();
+    }
+    return "";
+  };
+  EXPECT_EQ(where([](Shot&) {}), "");
+  EXPECT_EQ(where([](Shot& s) { s.eye = s.target = vec3(1.0f); }), "--eye");
+  EXPECT_EQ(where([](Shot& s) { s.blades = 5; }), "--blades");
+  EXPECT_EQ(where([](Shot& s) { s.focus_distance = 1.0f; }), "--focus-distance");
+}
+
+TEST(unit_candela_shot, the_lens_focuses_on_the_target) {
+  Shot shot = small();
+  shot.eye = vec3(0, 0, 8);
+  shot.target = vec3(0, 0, 1);
+  shot.f_number = 1.0f;
+  shot.traced.samples = 64;
+  const Scene scene = load(shot.scene);
+  View view = look_at(*shot.eye, *shot.target, PerspectiveCamera{}.yfov);
+  view.lens.radius = aperture_radius(1.0f, PerspectiveCamera{}.yfov);
+  view.lens.focus_distance = 7.0f;
+  const Film expected = path::render(scene, make_environment("furnace"), view, traced_settings(shot));
+  EXPECT_LT(largest_difference(taken(shot)[0].film.beauty, expected.beauty), 1e-3);
+}
+
+TEST(unit_candela_probes, one_tracer_serves_all_probes) {
+  const Scene scene = load("demo:spheres");
+  const path::Tracer tracer(borrowed(scene), make_environment("sky"));
+  const std::vector<raster::Probe> probes = bake_probes(tracer, 2, 1);
+  ASSERT_EQ(probes.size(), 2u);
+  path::Settings settings;
+  settings.samples = 1;
+  settings.sees_lamps = false;
+  for (const raster::Probe& probe : probes) {
+    const path::Tracer own(borrowed(scene), make_environment("sky"));
+    const Cubemap seen = path::capture_environment(own, probe.position, 64, settings);
+    const raster::BakedLight expected = raster::bake_light(seen.levels[0], false);
+    EXPECT_TRUE(faces_are_equal(probe.light.specular.levels[1], expected.specular.levels[1]));
+  }
+  EXPECT_FALSE(faces_are_equal(probes[0].light.specular.levels[1], probes[1].light.specular.levels[1]));
+  const std::atomic<bool> stop{true};
+  EXPECT_THROW(bake_probes(tracer, 1, 100, {.stop = &stop}), Interrupted);
+}
+
+TEST(unit_candela_light, what_is_loaded_is_turned_and_dimmed_as_asked) {
+  const LoadedLight plain = load_light({.environment = "sky"}, 8);
+  const LoadedLight half = load_light({.environment = "sky", .intensity = 0.5f}, 8);
+  EXPECT_NEAR(ibl::total_flux(half.source).y / ibl::total_flux(plain.source).y, 0.5, 1e-6);
+  EXPECT_FALSE(plain.faces);
+  // Within a furnace every side is the furnace.
+  const LoadedLight seen =
+      load_light({.environment = "furnace", .scene = "demo:spheres", .position = {0, 50, 0}, .samples = 1}, 4);
+  ASSERT_TRUE(seen.faces);
+  EXPECT_NEAR((*seen.faces)[2].rgb(1, 1).x, make_environment("furnace").constant.x, 1e-3f);
+}
+
+TEST(unit_candela_verdict, scenes_are_judged_and_what_cannot_be_read_says_why) {
+  const Verdict verdict = judge("demo:spheres");
+  EXPECT_FALSE(verdict.unreadable);
+  EXPECT_GT(verdict.material_count, 0u);
+  EXPECT_GT(verdict.triangle_count, 0u);
+  const Verdict absent = judge("there-is-no-such-file.glb");
+  EXPECT_TRUE(absent.unreadable);
+  ASSERT_EQ(absent.findings.size(), 1u);
+  EXPECT_EQ(absent.findings[0].finding.code, "unreadable");
+  const std::atomic<bool> stop{true};
+  EXPECT_THROW(judge("demo:spheres", {}, {.stop = &stop}), Interrupted);
+}
+
+}  // namespace
+}  // namespace candela

@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "base/error.h"
+#include "unit/path/scenes.h"
+
+// One prepared scene for many pictures, and pictures that go on.
+
+namespace candela {
+namespace {
+
+using namespace test;
+
+/// A gloss, a lamp and something blended, so that samples differ.
+Scene still_life() {
+  SceneBuilder b;
+  b.add(plane(vec3(0.0f), 3.0f), plastic({0.5f, 0.6f, 0.4f}, 0.4f));
+  Material veil = matte({0.9f, 0.2f, 0.1f});
+  veil.alpha_mode = AlphaMode::blend;
+  veil.opacity = 0.5f;
+  b.add(sphere({0, 0.5f, 0}, 0.5f, 2, false), veil);
+  b.add(quad({-0.5f, 1.8f, -0.5f}, {1, 0, 0}, {0, 0, 1}), lamp(vec3(4.0f)));
+  return b.build();
+}
+
+Environment dusk() { return constant_environment({0.2f, 0.25f, 0.4f}); }
+View front() { return look_at({1, 1.3f, 3}, {0, 0.4f, 0}, 0.7f); }
+
+path::Settings with_layers(int size, int samples) {
+  path::Settings s = settings(size, samples, 3);
+  s.layers = {Layer::albedo, Layer::normal, Layer::depth};
+  return s;
+}
+
+TEST(unit_path_tracer, a_picture_that_goes_on_is_that_of_one_run) {
+  const path::Tracer tracer(still_life(), dusk());
+  for (const bool has_target : {false, true}) {
+    path::Settings s = with_layers(20, 83);
+    if (has_target) s.noise = 0.2f;
+    path::Statistics of_whole;
+    const Film whole = tracer.render(front(), s, {}, &of_whole);
+    path::Picture picture(tracer, front(), s);
+    for (const int samples : {0, 2, 2, 5, 21, 40, 83}) picture.trace(samples);
+    EXPECT_TRUE(films_are_identical(picture.film(), whole));
+    EXPECT_EQ(picture.statistics().samples, of_whole.samples);
+    EXPECT_EQ(picture.statistics().shadow_rays, of_whole.shadow_rays);
+    if (has_target) {
+      EXPECT_LT(of_whole.mean_samples_per_pixel, 80.0) << "some pixels end early";
+      continue;
+    }
+    // The twin: one sample more is another picture.
+    picture.trace(84);
+    EXPECT_FALSE(films_are_identical(picture.film(), whole));
+  }
+}
+
+TEST(unit_path_tracer, what_was_stopped_within_a_pass_goes_on_there) {
+  const path::Tracer tracer(still_life(), dusk());
+  path::Settings s = with_layers(160, 20);
+  s.bounces = 1;
+  const Film whole = tracer.render(front(), s);
+  path::Picture picture(tracer, front(), s);
+  std::atomic<bool> stop{true};
+  int stops = 0;
+  do {
+    picture.trace(s.samples, {.stop = &stop});
+    // A pass ends at whole samples; the pictures between have more of them at the top.
+    if (picture.statistics().interrupted) ++stops;
+  } while (picture.statistics().interrupted);
+  EXPECT_GT(stops, 4) << "more often than there are passes";
+  EXPECT_TRUE(films_are_identical(picture.film(), whole));
+  EXPECT_EQ(picture.statistics().samples, 160u * 160u * 20u);
+}
+
+TEST(unit_path_tracer, one_tracer_makes_the_pictures_of_many) {
+  const Scene scene = still_life();
+  const path::Tracer tracer(borrowed(scene), dusk());
+  for (const float x : {-1.0f, 1.0f}) {
+    const View view = look_at({x, 1.3f, 3}, {0, 0.4f, 0}, 0.7f);
+    const path::Settings s = with_layers(16, 4);
+    EXPECT_TRUE(films_are_identical(tracer.render(view, s), path::render(scene, dusk(), view, s)));
+  }
+}
+
+TEST(unit_path_tracer, scenes_that_name_what_is_not_there_are_refused) {
+  const auto refuses = [](const std::function<void(Scene&)>& change) {
+    Scene scene = still_life();
+    change(scene);
+    try {
+      path::render(scene, dusk(), front(), settings(4, 1, 1));
+    } catch (const Error&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refuses([](Scene& s) { s.meshes[0].primitives[0].material = 99; }));
+  EXPECT_TRUE(refuses([](Scene& s) { s.nodes[0].mesh = 99; }));
+  EXPECT_TRUE(refuses([](Scene& s) { s.meshes[0].primitives[0].triangles[0].x = 99999; }));
+  EXPECT_TRUE(refuses([](Scene& s) { s.materials[0].base_color_texture.texture = 3; }));
+  EXPECT_TRUE(refuses([](Scene& s) { s.materials.clear(); }));
+  EXPECT_FALSE(refuses([](Scene&) {}));
+}
+
+TEST(unit_path_tracer, a_backdrop_is_seen_only_where_it_is_asked_for) {
+  Environment light = mapped_environment(16, 8, [](vec3) { return vec3(2.0f); });
+  auto backdrop = std::make_shared<Image>(16, 8, 3);
+  light.backdrop = backdrop;
+  const path::Tracer tracer(SceneBuilder().build(), light);
+  path::Settings s = settings(4, 1, 1);
+  EXPECT_EQ(tracer.render(front(), s).beauty.rgb(1, 1), vec3(0.0f));
+  s.sees_backdrop = false;
+  EXPECT_LT(glm::length(tracer.render(front(), s).beauty.rgb(1, 1) - vec3(2.0f)), 1e-5f);
+}
+
+}  // namespace
+}  // namespace candela
