@@ -2,8 +2,7 @@
 """How soon packed files are there: bench/packed.py CANDELA NODE_MODULES KTX2.gltf MODEL.glb
 
 NODE_MODULES is the folder of tests/interop/install.sh; KTX2.gltf a model with textures in KTX 2, which is also drawn with PNG in their
-place; MODEL.glb a textured one of some megabytes, which is packed. Medians of ten runs by turns, milliseconds of wall time and of CPU: a busy
-machine disturbs the second less.
+place; MODEL.glb a textured one of some megabytes, which is packed. The least of ten runs by turns, milliseconds of wall time and of CPU.
 """
 
 import json
@@ -11,7 +10,6 @@ import math
 import os
 import pathlib
 import resource
-import statistics
 import struct
 import subprocess
 import sys
@@ -34,12 +32,12 @@ def timed(*command, **environment):
 
 
 def by_turns(runs):
-    """Medians of each of `runs`, by column."""
+    """The least of each of `runs`, by column."""
     found = {name: [] for name in runs}
     for _ in range(TURNS):
         for name, run in runs.items():
             found[name].append(run())
-    return {name: [1000 * statistics.median(column) for column in zip(*rows)] for name, rows in found.items()}
+    return {name: [1000 * min(column) for column in zip(*rows)] for name, rows in found.items()}
 
 
 def hills(side, phase):

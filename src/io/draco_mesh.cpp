@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <ctime>
 #include <string>
 
 #include "base/error.h"
@@ -131,6 +132,23 @@ std::vector<std::byte> DracoMesh::attribute(std::uint32_t id, int component_type
     default:
       return values_of<float>(*mesh_->mesh, *found, components);
   }
+}
+
+void DracoBudget::charge(std::size_t bytes, double seconds) {
+  constexpr double kBytesPerSecond = 1e5;
+  const std::lock_guard lock(mutex_);
+  allowed_s_ += static_cast<double>(bytes) / kBytesPerSecond - seconds;
+}
+
+void DracoBudget::require() const {
+  const std::lock_guard lock(mutex_);
+  if (allowed_s_ < 0.0) throw Error("the file's Draco data takes too long to decode");
+}
+
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace candela::io

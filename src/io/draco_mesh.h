@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -36,5 +37,22 @@ class DracoMesh {
   struct Mesh;
   std::unique_ptr<Mesh> mesh_;
 };
+
+/// CPU that the streams of a file may take. libdraco believes some counts in them, of which one is 2^31 orientations in
+/// 200 bytes, and reads for seconds what is not there; a file may hold thousands of these. Honest streams take a
+/// hundredth of it. Threads may share one.
+class DracoBudget {
+ public:
+  void charge(std::size_t bytes, double seconds);
+  /// Throws Error once it is spent.
+  void require() const;
+
+ private:
+  mutable std::mutex mutex_;
+  double allowed_s_ = 20.0;
+};
+
+/// CPU that this thread has taken so far.
+double thread_seconds();
 
 }  // namespace candela::io

@@ -513,13 +513,16 @@ void GltfBuffers::decode_draco(const std::vector<JsonView>& references) {
   }
   parallel_for(0, works.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      const double start = thread_seconds();
       try {
+        draco_budget_.require();
         works[i].mesh.emplace(works[i].packed);
       } catch (const Error& cause) {
         works[i].error = std::make_exception_ptr(works[i].place.error(cause.message()));
       } catch (...) {
         works[i].error = std::current_exception();
       }
+      draco_budget_.charge(works[i].packed.size(), thread_seconds() - start);
     }
   });
   for (Work& work : works) {

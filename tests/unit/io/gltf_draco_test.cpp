@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "io/draco_mesh.h"
 #include "unit/io/draco_files.h"
 #include "unit/io/gltf_builder.h"
 
@@ -159,6 +160,18 @@ TEST(unit_io_gltf_draco, a_claim_beyond_the_file_asks_for_no_memory) {
   const std::string text("DRACO\2\2\1\0\0\0\x80\x80\x80\x80\x08\3\1", 18);
   const auto bytes = as_bytes(text);
   EXPECT_THAT(error_of(packed({bytes.begin(), bytes.end()})), HasSubstr("larger than 4 GiB"));
+}
+
+TEST(unit_io_gltf_draco, streams_that_take_far_longer_than_honest_ones_are_not_gone_on_with) {
+  DracoBudget honest;
+  for (int i = 0; i < 1000; ++i) honest.charge(100'000, 0.5);
+  honest.require();
+  DracoBudget hostile;
+  for (int i = 0; i < 3; ++i) {
+    hostile.require();
+    hostile.charge(229, 7.0);
+  }
+  EXPECT_THROW(hostile.require(), Error);
 }
 
 }  // namespace
