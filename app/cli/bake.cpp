@@ -69,60 +69,60 @@ double parse_share(const std::string& text) {
   return static_cast<double>(value) * (percent ? 0.01 : 1.0);
 }
 
-void add_cube(CLI::App* verb, BakeOptions& o) {
+void add_cube(Command& command, BakeOptions& o) {
   using ibl::Mapping;
   using ibl::Method;
   constexpr int kMostSize = 4096;
   constexpr int kMostLevels = 13;
   constexpr int kMostSamples = 1 << 20;
   const std::string group = "Specular";
-  add_value(verb, "--size", "N", o.bake.size, count_within(1, kMostSize), "Texels along a face of level 0 [256]")
-      ->group(group);
-  add_value(verb, "--levels", "N", o.bake.levels, count_within(1, kMostLevels), "Each half the size of the last [6]")
-      ->group(group);
-  add_value(verb, "--mapping", "NAME", o.bake.mapping,
+  add_value(command, "--size", "N", o.bake.size, count_within(1, kMostSize), "Texels along a face of level 0 [256]")
+      .group(group);
+  add_value(command, "--levels", "N", o.bake.levels, count_within(1, kMostLevels), "Each half the size of the last [6]")
+      .group(group);
+  add_value(command, "--mapping", "NAME", o.bake.mapping,
             one_of<Mapping, 3>(
                 {{{"balanced", Mapping::balanced}, {"linear", Mapping::linear}, {"filament", Mapping::filament}}}),
             "Roughness of the levels: balanced (its square halves as texels do), linear, filament [balanced]")
-      ->group(group);
-  add_value(verb, "--method", "NAME", o.bake.specular.method,
+      .group(group);
+  add_value(command, "--method", "NAME", o.bake.specular.method,
             one_of<Method, 5>({{{"auto", Method::automatic},
                                 {"zonal", Method::zonal},
                                 {"hierarchical", Method::hierarchical},
                                 {"fis", Method::fis},
                                 {"montecarlo", Method::montecarlo}}}),
             "zonal, hierarchical; fis and montecarlo for comparison [auto: zonal where the lobe allows]")
-      ->group(group);
-  add_value(verb, "--samples", "N", o.bake.specular.samples, count_within(1, kMostSamples),
+      .group(group);
+  add_value(command, "--samples", "N", o.bake.specular.samples, count_within(1, kMostSamples),
             "Of fis, montecarlo and riemann, per texel [1024]")
-      ->group(group);
-  verb->add_flag("--sheen", o.bake.sheen, "Also the levels of the sheen lobe")->group(group);
+      .group(group);
+  command.flag("--sheen", o.bake.sheen, "Also the levels of the sheen lobe").group(group);
 }
 
-void add_diffuse(CLI::App* verb, BakeOptions& o) {
+void add_diffuse(Command& command, BakeOptions& o) {
   using ibl::IrradianceMethod;
   using ibl::Window;
   constexpr int kMostSize = 1024;
   const std::string group = "Diffuse";
-  add_value(verb, "--irradiance", "NAME", o.bake.irradiance_method,
+  add_value(command, "--irradiance", "NAME", o.bake.irradiance_method,
             one_of<IrradianceMethod, 3>({{{"exact", IrradianceMethod::exact},
                                           {"riemann", IrradianceMethod::riemann},
                                           {"montecarlo", IrradianceMethod::montecarlo}}}),
             "exact; riemann and montecarlo for comparison [exact]")
-      ->group(group);
-  add_value(verb, "--irradiance-size", "N", o.bake.irradiance_size, count_within(1, kMostSize),
+      .group(group);
+  add_value(command, "--irradiance-size", "N", o.bake.irradiance_size, count_within(1, kMostSize),
             "Texels along a face [32]")
-      ->group(group);
-  add_value(verb, "--sh-order", "L", o.bake.sh_order, count_within(0, ibl::kMostShOrder),
+      .group(group);
+  add_value(command, "--sh-order", "L", o.bake.sh_order, count_within(0, ibl::kMostShOrder),
             "Highest degree of the spherical harmonics [2: nine of them]")
-      ->group(group);
-  add_value(verb, "--window", "NAME", o.bake.window,
+      .group(group);
+  add_value(command, "--window", "NAME", o.bake.window,
             one_of<Window, 4>({{{"none", Window::none},
                                 {"hann", Window::hann},
                                 {"lanczos", Window::lanczos},
                                 {"auto", Window::automatic}}}),
             "Damps their ringing: none, hann, lanczos, auto (as little as leaves nothing negative) [none]")
-      ->group(group);
+      .group(group);
 }
 
 BakeFormat parse_format(const std::string& text) {
@@ -149,74 +149,73 @@ CubeAxes parse_axes_option(const std::string& text) {
   throw UsageError("'" + text + "' is no three signed axes such as -x+y+z");
 }
 
-void add_files(CLI::App* verb, BakeOptions& o) {
+void add_files(Command& command, BakeOptions& o) {
   const std::string group = "Files";
   add_value(
-      verb, "--profile", "ENGINE", o.profile, [](const std::string& text) { return &ibl::find_profile(text); },
+      command, "--profile", "ENGINE", o.profile, [](const std::string& text) { return &ibl::find_profile(text); },
       "What an engine reads: filament, three, babylon, khronos, bevy, godot, unreal, unity")
-      ->group(group);
-  add_value(verb, "--format", "NAME", o.format, parse_format,
+      .group(group);
+  add_value(command, "--format", "NAME", o.format, parse_format,
             "exr, hdr (six faces a level), panorama, rgbm, gltf (EXT_lights_image_based), ktx2, ktx2-rgba32f, "
             "ktx2-rgb9e5, ktx1, ktx1-rgba16f, dds, dds-rgba32f [exr]")
-      ->group(group);
-  add_value(verb, "--axes", "AXES", o.light.axes, parse_axes_option,
+      .group(group);
+  add_value(command, "--axes", "AXES", o.light.axes, parse_axes_option,
             "By which a cube map that is read is looked up, in terms of the world's: -x+y+z is as seen from inside")
-      ->group(group);
-  verb->add_option("--diff", o.compared, "Compare two baked cube maps, level by level, and bake nothing")
-      ->type_name("FILE")
-      ->expected(2)
-      ->group(group);
+      .group(group);
+  command.texts("--diff", o.compared, "Compare two baked cube maps, level by level, and bake nothing")
+      .type("FILE")
+      .values(2)
+      .group(group);
 }
 
-void add_scene(CLI::App* verb, BakeOptions& o) {
+void add_scene(Command& command, BakeOptions& o) {
   constexpr int kMostSpp = 1 << 20;
   add_value(
-      verb, "--from-scene", "SCENE", o.light.scene, [](const std::string& text) { return text; },
+      command, "--from-scene", "SCENE", o.light.scene, [](const std::string& text) { return text; },
       "Bake what a point of a scene sees, path traced; ENV lights the scene [its own image-based light, else studio]")
-      ->group("Light");
-  add_root(verb, o.light.load.root)->group("Light");
-  add_scene_choice(verb, o.light.load.scene)->group("Light");
-  add_measures(verb, o.light.load.measures, "Light");
-  add_value(verb, "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres")->group("Light");
-  add_value(verb, "--spp", "N", o.light.samples, count_within(1, kMostSpp), "Samples per texel of what it sees [64]")
-      ->group("Light");
+      .group("Light");
+  add_root(command, o.light.load.root).group("Light");
+  add_scene_choice(command, o.light.load.scene).group("Light");
+  add_measures(command, o.light.load.measures, "Light");
+  add_value(command, "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres").group("Light");
+  add_value(command, "--spp", "N", o.light.samples, count_within(1, kMostSpp), "Samples per texel of what it sees [64]")
+      .group("Light");
 }
 
-void add_rest(CLI::App* verb, BakeOptions& o) {
+void add_rest(Command& command, BakeOptions& o) {
   constexpr int kMostDirections = 100000;
   constexpr float kMostIntensity = 1e30f;
   constexpr int kMostTable = 1024;
   constexpr int kMostThreads = 1024;
   add_value(
-      verb, "--env-rotation", "DEG", o.light.rotation,
+      command, "--env-rotation", "DEG", o.light.rotation,
       [](const std::string& text) { return candela::radians(parse_number(text, -36000.0f, 36000.0f)); },
       "Turns the environment about +y [0]")
-      ->group("Light");
+      .group("Light");
   add_value(
-      verb, "--env-intensity", "X", o.light.intensity,
+      command, "--env-intensity", "X", o.light.intensity,
       [](const std::string& text) { return parse_number(text, 0.0f, kMostIntensity); },
       "Multiplies the environment [1]")
-      ->group("Light");
-  verb->add_flag("--extract-sun", o.extract_sun, "Also the sun as numbers and the environment without it")
-      ->group("Light");
-  add_value(verb, "--proof", "N", o.bake.proof_directions, count_within(0, kMostDirections),
+      .group("Light");
+  command.flag("--extract-sun", o.extract_sun, "Also the sun as numbers and the environment without it").group("Light");
+  add_value(command, "--proof", "N", o.bake.proof_directions, count_within(0, kMostDirections),
             "Directions per level that are compared with the exact integral [16]")
-      ->group("Proof");
-  add_value(verb, "--error", "X", o.bake.error, parse_share,
+      .group("Proof");
+  add_value(command, "--error", "X", o.bake.error, parse_share,
             "Refine until no level errs by more at its texels: 0.001 or 0.1%")
-      ->group("Proof");
+      .group("Proof");
   add_value(
-      verb, "--report", "FILE.html", o.report, [](const std::string& text) { return text; },
+      command, "--report", "FILE.html", o.report, [](const std::string& text) { return text; },
       "The errors as a page with pictures")
-      ->group("Proof");
-  verb->add_flag("--json", o.json, "The errors as one JSON object on standard output")->group("Proof");
-  verb->add_flag("--tables", o.tables, "Also the split-sum tables; alone without an environment")->group("Tables");
-  add_value(verb, "--table-size", "N", o.table_size, count_within(2, kMostTable), "Their width and height [128]")
-      ->group("Tables");
-  add_value(verb, "--threads", "N", o.threads, count_within(0, kMostThreads),
+      .group("Proof");
+  command.flag("--json", o.json, "The errors as one JSON object on standard output").group("Proof");
+  command.flag("--tables", o.tables, "Also the split-sum tables; alone without an environment").group("Tables");
+  add_value(command, "--table-size", "N", o.table_size, count_within(2, kMostTable), "Their width and height [128]")
+      .group("Tables");
+  add_value(command, "--threads", "N", o.threads, count_within(0, kMostThreads),
             "0 is all; the result does not depend on it [0]")
-      ->group("Running");
-  verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group("Running");
+      .group("Running");
+  command.flag("-q,--quiet", o.quiet, "Nothing on standard error but errors").group("Running");
 }
 
 /// What the baker holds at once: the panorama, its sums and its harmonics, and directions and values of the faces.
@@ -255,18 +254,17 @@ void check_usage(const BakeOptions& o) {
 }
 
 /// What has no effect beside other options is not silently ignored.
-void check_combinations(const CLI::App& verb, const BakeOptions& o) {
+void check_combinations(const Command& command, const BakeOptions& o) {
   const auto refuse = [&](std::initializer_list<const char*> options, const std::string& why) {
     for (const char* option : options) {
-      if (verb.count(option) > 0) throw UsageError(std::string(option) + ": " + why);
+      if (command.has(option)) throw UsageError(std::string(option) + ": " + why);
     }
   };
   if (!o.compared.empty()) {
-    for (const CLI::Option* option : verb.get_options()) {
-      const std::string name = option->get_name();
+    for (const std::string& name : command.given()) {
       const bool counts = name == "--diff" || name == "--axes" || name == "--json" || name == "--threads" ||
                           name == "--quiet" || name == "--help";
-      if (option->count() > 0 && !counts) throw UsageError(name + ": --diff compares two files and bakes nothing");
+      if (!counts) throw UsageError(name + ": --diff compares two files and bakes nothing");
     }
     return;
   }
@@ -398,32 +396,29 @@ void run_bake(BakeOptions& o) {
 
 }  // namespace
 
-Verb add_bake(CLI::App& app) {
+Verb add_bake(Command& command) {
   const auto options = std::make_shared<BakeOptions>();
-  CLI::App* verb = app.add_subcommand("bake", "Image-based light for engines, with its error measured")->group("Verbs");
-  verb->add_option("ENV", options->light.environment,
-                   "An equirectangular .exr (:LAYER), .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a "
-                   "folder of "
-                   "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace")
-      ->type_name("");
-  verb->add_option("-o,--output", options->output, "Folder to write to; it is made where it is absent")
-      ->type_name("DIR");
-  add_cube(verb, *options);
-  add_diffuse(verb, *options);
-  add_files(verb, *options);
-  add_scene(verb, *options);
-  add_rest(verb, *options);
-  verb->footer(
+  command.text("ENV", options->light.environment,
+               "An equirectangular .exr (:LAYER), .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a "
+               "folder of "
+               "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace");
+  command.text("-o,--output", options->output, "Folder to write to; it is made where it is absent").type("DIR");
+  add_cube(command, *options);
+  add_diffuse(command, *options);
+  add_files(command, *options);
+  add_scene(command, *options);
+  add_rest(command, *options);
+  command.footer(
       "Examples:\n  candela bake street.hdr -o street\n  candela bake street.hdr -o street --error 0.1% --report "
       "street.html\n  candela bake sky:20 -o dusk --extract-sun --sh-order 4 --window auto\n  candela bake street.hdr "
       "-o app/public --profile three --tables\n  candela bake --from-scene room.glb --at 0,1.6,0 sky -o probe --format "
       "ktx2\n  candela bake --diff old/specular.ktx2 new/specular.ktx2\n  candela bake --tables -o tables");
-  return [options, verb] {
-    options->has_size = verb->count("--size") > 0;
-    options->has_levels = verb->count("--levels") > 0;
-    options->has_mapping = verb->count("--mapping") > 0;
-    options->has_format = verb->count("--format") > 0;
-    check_combinations(*verb, *options);
+  return [options, &command] {
+    options->has_size = command.has("--size");
+    options->has_levels = command.has("--levels");
+    options->has_mapping = command.has("--mapping");
+    options->has_format = command.has("--format");
+    check_combinations(command, *options);
     run_bake(*options);
   };
 }

@@ -206,23 +206,21 @@ void run_check(const CheckOptions& options) {
 
 }  // namespace
 
-Verb add_check(CLI::App& app) {
+Verb add_check(Command& command) {
   const auto options = std::make_shared<CheckOptions>();
-  CLI::App* verb =
-      app.add_subcommand("check", "Judge materials, textures and meshes as a physicist would")->group("Verbs");
-  verb->add_option("SCENE", options->names,
-                   "Files (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf, a .zip with one of them), folders to "
-                   "search for them, or demo:NAME")
-      ->required()
-      ->type_name("");
-  add_root(verb, options->root);
-  add_scene_choice(verb, options->scene);
-  add_measures(verb, options->measures);
-  verb->add_flag("--json", options->json, "For a machine: one JSON object, with the measured numbers");
-  verb->add_flag("--strict", options->strict, "Exit code 1 where there is a warning or an error");
-  verb->add_option("--threads", options->threads, "Default: all the machine has")->type_name("N");
-  verb->add_flag("-q,--quiet", options->quiet, "No progress on standard error");
-  verb->footer(
+  command
+      .texts("SCENE", options->names,
+             "Files (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf, a .zip with one of them), folders to "
+             "search for them, or demo:NAME")
+      .required();
+  add_root(command, options->root);
+  add_scene_choice(command, options->scene);
+  add_measures(command, options->measures);
+  command.flag("--json", options->json, "For a machine: one JSON object, with the measured numbers");
+  command.flag("--strict", options->strict, "Exit code 1 where there is a warning or an error");
+  command.text("--threads", options->threads, "Default: all the machine has").type("N");
+  command.flag("-q,--quiet", options->quiet, "No progress on standard error");
+  command.footer(
       "Examples:\n  candela check helmet.glb\n  candela check assets/ --strict\n  candela check helmet.glb --json\n\n"
       "docs/check.md explains every finding. Ctrl-C keeps the verdicts so far (exit code 130).");
   return [options] { run_check(*options); };

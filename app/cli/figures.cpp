@@ -112,24 +112,23 @@ void run_figures(const FigureOptions& o) {
 
 }  // namespace
 
-Verb add_figures(CLI::App& app) {
+Verb add_figures(Command& command) {
   const auto options = std::make_shared<FigureOptions>();
   FigureOptions& o = *options;
-  CLI::App* verb =
-      app.add_subcommand("figures", "Make the figures of physically based shading, as pages to read")->group("Verbs");
-  verb->add_option("-o,--output", o.output, "The folder, made where it is absent; begin at its index.html")
-      ->type_name("DIR")
-      ->required();
+  command.text("-o,--output", o.output, "The folder, made where it is absent; begin at its index.html")
+      .type("DIR")
+      .required();
   add_value(
-      verb, "--only", "NAMES", o.chosen, [](const std::string& text) { return figures::choose_figures(split(text)); },
+      command, "--only", "NAMES", o.chosen,
+      [](const std::string& text) { return figures::choose_figures(split(text)); },
       "These figures alone, separated by commas");
-  add_value(verb, "--quality", "NAME", o.quality, parse_quality,
+  add_value(command, "--quality", "NAME", o.quality, parse_quality,
             "final: minutes; draft: half as wide, 8 samples [final]");
-  add_value(verb, "--spp", "N", o.samples, count_within(1, 65536),
+  add_value(command, "--spp", "N", o.samples, count_within(1, 65536),
             "Samples per pixel, eight times as many in references [64]");
-  add_value(verb, "--threads", "N", o.threads, count_within(1, 1024), "Default: all the machine has");
-  verb->add_flag("-q,--quiet", o.quiet, "No progress on standard error");
-  verb->footer(
+  add_value(command, "--threads", "N", o.threads, count_within(1, 1024), "Default: all the machine has");
+  command.flag("-q,--quiet", o.quiet, "No progress on standard error");
+  command.footer(
       "Figures:" + list_text() +
       "\n\nExamples:\n  candela figures -o figures\n  candela figures -o figures --only ndf-ggx,fresnel-metals\n"
       "  candela figures -o draft --quality draft");

@@ -85,7 +85,7 @@ DisplayImage display(const Image& sheet) {
 
 }  // namespace
 
-Verb add_furnace(CLI::App& app) {
+Verb add_furnace(Command& command) {
   struct Options {
     std::string output;
     bool json = false;
@@ -94,13 +94,12 @@ Verb add_furnace(CLI::App& app) {
     std::string threads;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("furnace", "Measure what the materials do with light")->group("Verbs");
-  verb->add_option("-o,--output", options->output, "Also draw the furnace sheet: a .png")->type_name("FILE");
-  verb->add_flag("--all", options->all, "Every combination of lobes, not the typical ones alone: minutes");
-  verb->add_flag("--json", options->json, "For a machine: one JSON object");
-  verb->add_option("--threads", options->threads, "Default: all the machine has")->type_name("N");
-  verb->add_flag("-q,--quiet", options->quiet, "No progress on standard error");
-  verb->footer(
+  command.text("-o,--output", options->output, "Also draw the furnace sheet: a .png").type("FILE");
+  command.flag("--all", options->all, "Every combination of lobes, not the typical ones alone: minutes");
+  command.flag("--json", options->json, "For a machine: one JSON object");
+  command.text("--threads", options->threads, "Default: all the machine has").type("N");
+  command.flag("-q,--quiet", options->quiet, "No progress on standard error");
+  command.footer(
       "Examples:\n  candela furnace\n  candela furnace -o sheet.png\n  candela furnace --all --json > laws.json\n\n"
       "Ctrl-C keeps what is measured and drawn by then (exit code 130).");
   return [options] {

@@ -262,7 +262,7 @@ Report scene_report(const std::string& name, const io::LoadOptions& chosen) {
   return {table.text(), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"};
 }
 
-Verb add_info(CLI::App& app) {
+Verb add_info(Command& command) {
   struct Options {
     std::string file;
     std::string root;
@@ -271,18 +271,16 @@ Verb add_info(CLI::App& app) {
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("info", "Say what a scene, an image or a texture file holds")->group("Verbs");
-  verb->add_option(
-          "FILE", options->file,
-          "A scene (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf, a .zip with one of them), a demo:NAME, "
-          "an .exr (:LAYER), .hdr, .png, .jpg, .webp or .avif image, or a .ktx2, .ktx or .dds texture")
-      ->required()
-      ->type_name("");
-  add_root(verb, options->root);
-  add_scene_choice(verb, options->scene);
-  add_measures(verb, options->measures);
-  verb->add_flag("--json", options->json, "For a machine: one JSON object");
-  verb->footer("Examples:\n  candela info helmet.glb\n  candela info picture.exr --json");
+  command
+      .text("FILE", options->file,
+            "A scene (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf, a .zip with one of them), a demo:NAME, "
+            "an .exr (:LAYER), .hdr, .png, .jpg, .webp or .avif image, or a .ktx2, .ktx or .dds texture")
+      .required();
+  add_root(command, options->root);
+  add_scene_choice(command, options->scene);
+  add_measures(command, options->measures);
+  command.flag("--json", options->json, "For a machine: one JSON object");
+  command.footer("Examples:\n  candela info helmet.glb\n  candela info picture.exr --json");
   return [options] {
     if (options->file.empty()) throw UsageError("FILE: the name is empty");
     const bool built_in = options->file.starts_with("demo:");

@@ -1,11 +1,13 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iostream>
 #include <new>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.h"
 #include "candela/candela.h"
@@ -38,73 +40,42 @@ int fail(int code, const std::string& message, const std::string& hint = {}) {
 }
 
 std::string usage_hint(int argc, char** argv) {
-  const std::string_view verb = argc > 1 ? argv[1] : "";
-  const bool known = verb == "render" || verb == "info" || verb == "furnace" || verb == "bake" || verb == "check" ||
-                     verb == "figures" || verb == "view";
-  return std::string("Try 'candela ") + (known ? std::string(verb) + " " : "") + "--help'.\n";
+  const std::string_view first = argc > 1 ? argv[1] : "";
+  const bool is_verb = std::any_of(kVerbs.begin(), kVerbs.end(), [&](const VerbInfo& v) { return v.name == first; });
+  return std::string("Try 'candela ") + (is_verb ? std::string(first) + " " : "") + "--help'.\n";
 }
 
-/// Options as NAME VALUE, without remarks on what they exclude; groups one blank line apart.
-class HelpFormatter : public CLI::Formatter {
- public:
-  HelpFormatter() {
-    constexpr std::size_t kNameColumns = 40;
-    column_width(kNameColumns);
-    label("SUBCOMMAND", "VERB");
-    label("OPTIONS", "options");
-    label("Positionals", "Input");
+std::string verb_names() {
+  std::string text;
+  for (const VerbInfo& verb : kVerbs) {
+    const bool is_last = &verb == &kVerbs.back();
+    text += (text.empty() ? "" : is_last ? " or " : ", ") + std::string(verb.name);
   }
-
-  std::string make_option_opts(const CLI::Option* option) const override {
-    return option->get_type_name().empty() ? "" : " " + option->get_type_name();
-  }
-  std::string make_usage(const CLI::App* app, std::string name) const override {
-    return CLI::Formatter::make_usage(app, std::move(name)) + "\n";
-  }
-  std::string make_group(std::string group, bool is_positional,
-                         std::vector<const CLI::Option*> options) const override {
-    const std::string text = CLI::Formatter::make_group(std::move(group), is_positional, std::move(options));
-    return text.substr(1) + (is_positional ? "\n" : "");
-  }
-};
+  return text;
+}
 
 int run(int argc, char** argv) {
-  CLI::App app{"Candela: physically based pictures of glTF scenes"};
-  app.name("candela");
-  app.set_version_flag("--version", std::string("candela ") + version(), "The version");
-  app.set_help_flag("-h,--help", "This text");
-  app.require_subcommand(0, 1);
-  app.formatter(std::make_shared<HelpFormatter>());
-  const Verb render = add_render(app);
-  const Verb info = add_info(app);
-  const Verb furnace = add_furnace(app);
-  const Verb bake = add_bake(app);
-  const Verb check = add_check(app);
-  const Verb view = add_view(app);
-  const Verb figures = add_figures(app);
-  app.footer(
+  CommandLine line("candela", "Candela: physically based pictures of glTF scenes", version());
+  std::vector<Command> commands;
+  commands.reserve(kVerbs.size());  // what a verb does refers to its command
+  std::vector<Verb> verbs;
+  verbs.reserve(kVerbs.size());
+  for (const VerbInfo& verb : kVerbs) {
+    commands.push_back(line.add_verb(std::string(verb.name), std::string(verb.what)));
+    verbs.push_back(verb.add(commands.back()));
+  }
+  line.footer(
       "`candela VERB --help` tells more, with examples.\n"
       "Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work "
       "left.");  // last, because verbs inherit it
 
   try {
-    app.parse(argc, argv);
-    if (app.got_subcommand("render")) return render(), kDone;
-    if (app.got_subcommand("info")) return info(), kDone;
-    if (app.got_subcommand("furnace")) return furnace(), kDone;
-    if (app.got_subcommand("bake")) return bake(), kDone;
-    if (app.got_subcommand("check")) return check(), kDone;
-    if (app.got_subcommand("figures")) return figures(), kDone;
-    if (app.got_subcommand("view")) return view(), kDone;
-    throw UsageError("no verb given: render, view, info, check, furnace, bake or figures");
-  } catch (const CLI::CallForHelp&) {
-    print(app.help());
-    return kDone;
-  } catch (const CLI::CallForVersion& call) {
-    print(std::string(call.what()) + "\n");
-    return kDone;
-  } catch (const CLI::ParseError& error) {
-    return fail(kWrongUsage, error.what(), usage_hint(argc, argv));
+    const CommandLine::Asked asked = line.parse(argc, argv);
+    if (!asked.text.empty()) return print(asked.text), kDone;
+    for (std::size_t i = 0; i < kVerbs.size(); ++i) {
+      if (kVerbs[i].name == asked.verb) return verbs[i](), kDone;
+    }
+    throw UsageError("no verb given: " + verb_names());
   } catch (const UsageError& error) {
     return fail(kWrongUsage, error.what(), usage_hint(argc, argv));
   }

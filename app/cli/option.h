@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
 #include "base/error.h"
+#include "cli/command_line.h"
 #include "cli/values.h"
 #include "foreign/measures.h"
 
@@ -12,8 +12,8 @@ namespace candela::cli {
 
 /// An option with one value. `parse` turns its text into `into`; what it throws names the option.
 template <class T, class Parse>
-CLI::Option* add_value(CLI::App* verb, const std::string& name, const std::string& type, T& into, Parse parse,
-                       const std::string& help) {
+Option add_value(Command& command, const std::string& name, const std::string& type, T& into, Parse parse,
+                 const std::string& help) {
   const auto store = [name, &into, parse](const std::string& text) {
     try {
       into = parse(text);
@@ -23,7 +23,7 @@ CLI::Option* add_value(CLI::App* verb, const std::string& name, const std::strin
       throw UsageError(name + ": " + error.what());
     }
   };
-  return verb->add_option_function<std::string>(name, store, help)->type_name(type);
+  return command.value(name, type, store, help);
 }
 
 inline auto number_within(float low, float high) {
@@ -36,27 +36,27 @@ inline auto count_within(int low, int high) {
 
 /// --root, of every verb that reads a scene.
 template <class Path>
-CLI::Option* add_root(CLI::App* verb, Path& into) {
+Option add_root(Command& command, Path& into) {
   const auto folder = [](const std::string& text) {
     if (text.empty() || !std::filesystem::is_directory(text)) throw UsageError("is no folder: '" + text + "'");
     return text;
   };
-  return add_value(verb, "--root", "DIR", into, folder,
+  return add_value(command, "--root", "DIR", into, folder,
                    "Refuse a scene that lies or reads outside of DIR, links resolved [it reads what it names]");
 }
 
 /// --scene, of every verb that reads a scene.
-inline CLI::Option* add_scene_choice(CLI::App* verb, std::string& into) {
+inline Option add_scene_choice(Command& command, std::string& into) {
   const auto named = [](const std::string& text) {
     if (text.empty()) throw UsageError("the name is empty");
     return text;
   };
-  return add_value(verb, "--scene", "INDEX|NAME", into, named,
+  return add_value(command, "--scene", "INDEX|NAME", into, named,
                    "Which of the scenes that a file holds, as candela info lists them [its default one]");
 }
 
 /// --unit and --up, of every verb that reads a scene.
-inline void add_measures(CLI::App* verb, foreign::Measures& into, const std::string& group = "Options") {
+inline void add_measures(Command& command, foreign::Measures& into, const std::string& group = "Options") {
   const auto metres = [](const std::string& text) {
     if (text == "mm") return 0.001f;
     if (text == "cm") return 0.01f;
@@ -68,10 +68,11 @@ inline void add_measures(CLI::App* verb, foreign::Measures& into, const std::str
     if (text != "y" && text != "z") throw UsageError("is neither y nor z: '" + text + "'");
     return text == "z";
   };
-  add_value(verb, "--unit", "mm|cm|m|in", into.metres_per_unit, metres, "Of an .obj, .stl or .ply, which says none [m]")
-      ->group(group);
-  add_value(verb, "--up", "y|z", into.is_z_up, is_z_up, "The upward axis of an .obj, .stl or .ply, likewise [y]")
-      ->group(group);
+  add_value(command, "--unit", "mm|cm|m|in", into.metres_per_unit, metres,
+            "Of an .obj, .stl or .ply, which says none [m]")
+      .group(group);
+  add_value(command, "--up", "y|z", into.is_z_up, is_z_up, "The upward axis of an .obj, .stl or .ply, likewise [y]")
+      .group(group);
 }
 
 }  // namespace candela::cli

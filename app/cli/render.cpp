@@ -215,11 +215,11 @@ void run_render(const RenderOptions& o) {
 
 }  // namespace
 
-Verb add_render(CLI::App& app) {
+Verb add_render(Command& command) {
   const auto options = std::make_shared<RenderOptions>();
-  const CLI::App* verb = add_render_options(app, *options);
-  return [options, verb] {
-    finish_options(*verb, *options);
+  add_render_options(command, *options);
+  return [options, &command] {
+    finish_options(command, *options);
     run_render(*options);
   };
 }

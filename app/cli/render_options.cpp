@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <limits>
 #include <set>
 
@@ -23,180 +22,178 @@ constexpr float kHuge = 1e30f;  // far from where squares overflow a float
 constexpr int kMostSamples = 1 << 20;
 constexpr int kOpenEndedSamples = 1 << 16;  // where --time or --noise is meant to stop first
 
-void add_picture(CLI::App* verb, RenderOptions& o) {
+void add_picture(Command& command, RenderOptions& o) {
   const std::string group = "Picture";
-  verb->add_option(
+  command
+      .texts(
           "-o,--output", o.outputs,
           "File to write, may be repeated; .exr and .hdr stay linear; of several scenes a folder [SCENE's name .png]")
-      ->type_name("FILE.{png,jpg,exr,hdr}|DIR")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->group(group);
+      .type("FILE.{png,jpg,exr,hdr}|DIR")
+      .repeated()
+      .group(group);
   const auto variant = [](const std::string& value) {
     if (value.empty()) throw UsageError("the name is empty");
     return value;
   };
-  add_scene_choice(verb, o.shot.load.scene)->group(group);
-  add_measures(verb, o.shot.load.measures, group);
-  add_value(verb, "--variant", "NAME", o.shot.load.variant, variant,
+  add_scene_choice(command, o.shot.load.scene).group(group);
+  add_measures(command, o.shot.load.measures, group);
+  add_value(command, "--variant", "NAME", o.shot.load.variant, variant,
             "One of the file's material variants, as candela info lists them [its default look]")
-      ->group(group);
-  add_value(verb, "--size", "WxH", o.shot.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]")->group(group);
-  add_value(verb, "--exposure", "auto|EV|f/N,1/T,ISO", o.shot.exposure, parse_exposure,
+      .group(group);
+  add_value(command, "--size", "WxH", o.shot.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]").group(group);
+  add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", o.shot.exposure, parse_exposure,
             "Metered, in stops, or as on a camera [the scene's wish; studio 0 unless outshone; else auto]")
-      ->group(group);
-  add_value(verb, "--tonemap", "CURVE", o.shot.tone_curve, parse_tone_curve,
+      .group(group);
+  add_value(command, "--tonemap", "CURVE", o.shot.tone_curve, parse_tone_curve,
             "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")
-      ->group(group);
-  add_value(verb, "--bloom", "X", o.shot.bloom, number_within(0.0f, 1.0f),
+      .group(group);
+  add_value(command, "--bloom", "X", o.shot.bloom, number_within(0.0f, 1.0f),
             "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
-      ->group(group);
-  add_value(verb, "--background", "env|transparent|COLOUR", o.background, parse_background,
+      .group(group);
+  add_value(command, "--background", "env|transparent|COLOUR", o.background, parse_background,
             "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
-      ->group(group);
-  add_value(verb, "--glass", "background|env", o.shot.environment_in_glass, parse_glass,
+      .group(group);
+  add_value(command, "--glass", "background|env", o.shot.environment_in_glass, parse_glass,
             "What clear glass before such a background shows through it [background]")
-      ->group(group);
-  add_value(verb, "--aov", "LIST", o.shot.layers, parse_layers,
+      .group(group);
+  add_value(command, "--aov", "LIST", o.shot.layers, parse_layers,
             "Layers beside the picture in the .exr: albedo,normal,depth,position,id")
-      ->group(group);
+      .group(group);
 }
 
-void add_sampling(CLI::App* verb, RenderOptions& o) {
+void add_sampling(Command& command, RenderOptions& o) {
   const std::string group = "Sampling";
   const auto seed = [](const std::string& text) {
     return static_cast<std::uint32_t>(parse_count(text, 0, std::numeric_limits<int>::max()));
   };
-  add_value(verb, "--spp", "N", o.samples, count_within(1, kMostSamples),
+  add_value(command, "--spp", "N", o.samples, count_within(1, kMostSamples),
             "Samples per pixel, best a power of two [128; 65536 with --time or --noise; raster: frames to average, 1]")
-      ->group(group);
-  add_value(verb, "--time", "30s", o.shot.traced.time_limit_s, parse_duration,
+      .group(group);
+  add_value(command, "--time", "30s", o.shot.traced.time_limit_s, parse_duration,
             "Stop after about this long: 500ms, 30s, 5min, 1.5h")
-      ->group(group);
-  add_value(verb, "--noise", "X", o.shot.traced.noise, number_within(1e-6f, 1.0f),
+      .group(group);
+  add_value(command, "--noise", "X", o.shot.traced.noise, number_within(1e-6f, 1.0f),
             "Stop each pixel when its relative error is estimated below X, e.g. 0.01")
-      ->group(group);
-  add_value(verb, "--bounces", "N", o.shot.traced.bounces, count_within(0, 1024),
+      .group(group);
+  add_value(command, "--bounces", "N", o.shot.traced.bounces, count_within(0, 1024),
             "Scattering events along a path; 1 is direct light only [8]")
-      ->group(group);
-  add_value(verb, "--seed", "N", o.shot.traced.seed, seed, "Another seed is another noise pattern [0]")->group(group);
-  add_value(verb, "--filter", "NAME", o.shot.traced.filter, parse_filter, "box, gaussian or blackman-harris [box]")
-      ->group(group);
-  add_value(verb, "--integrator", "NAME", o.shot.traced.integrator, parse_integrator,
+      .group(group);
+  add_value(command, "--seed", "N", o.shot.traced.seed, seed, "Another seed is another noise pattern [0]").group(group);
+  add_value(command, "--filter", "NAME", o.shot.traced.filter, parse_filter, "box, gaussian or blackman-harris [box]")
+      .group(group);
+  add_value(command, "--integrator", "NAME", o.shot.traced.integrator, parse_integrator,
             "full; minimal: the same mean by following the material alone; surfaces: likewise, without bodies [full]")
-      ->group(group);
+      .group(group);
   const auto shading = [&o](const std::string& text) {
     o.shot.shading = parse_shading(text);
     return text;
   };
-  add_value(verb, "--shading", "MODEL", o.shot.shading_name, shading,
+  add_value(command, "--shading", "MODEL", o.shot.shading_name, shading,
             "candela, gltf, ue4, learnopengl, thesis or blinn-phong, and terms: ue4,d=beckmann,diffuse=eon [candela]")
-      ->group(group);
+      .group(group);
 }
 
-void add_camera(CLI::App* verb, RenderOptions& o) {
+void add_camera(Command& command, RenderOptions& o) {
   const std::string group = "Camera";
   const auto text = [](const std::string& value) { return value; };
-  CLI::Option* camera = add_value(verb, "--camera", "INDEX|NAME", o.shot.camera, text,
-                                  "One of the file's cameras [the first, else the whole subject]");
-  CLI::Option* orbit = add_value(verb, "--orbit", "AZ,EL[,DIST]", o.shot.orbit, parse_orbit,
-                                 "Degrees around and above the subject; DIST 1 fits it, 0.5 is twice as close");
-  CLI::Option* eye = add_value(verb, "--eye", "X,Y,Z", o.shot.eye, parse_vec3, "Where the camera is, metres");
-  CLI::Option* target =
-      add_value(verb, "--target", "X,Y,Z", o.shot.target, parse_vec3, "What --eye looks at [the subject's centre]");
-  CLI::Option* fov = add_value(
-      verb, "--fov", "45deg", o.shot.yfov, [](const std::string& value) { return parse_field_of_view(value); },
+  Option camera = add_value(command, "--camera", "INDEX|NAME", o.shot.camera, text,
+                            "One of the file's cameras [the first, else the whole subject]");
+  Option orbit = add_value(command, "--orbit", "AZ,EL[,DIST]", o.shot.orbit, parse_orbit,
+                           "Degrees around and above the subject; DIST 1 fits it, 0.5 is twice as close");
+  Option eye = add_value(command, "--eye", "X,Y,Z", o.shot.eye, parse_vec3, "Where the camera is, metres");
+  Option target =
+      add_value(command, "--target", "X,Y,Z", o.shot.target, parse_vec3, "What --eye looks at [the subject's centre]");
+  Option fov = add_value(
+      command, "--fov", "45deg", o.shot.yfov, [](const std::string& value) { return parse_field_of_view(value); },
       "Vertical field of view, also as 0.8rad [the camera's own, else 45deg]");
-  CLI::Option* f_number = add_value(verb, "--f-number", "F", o.shot.f_number, number_within(0.01f, 1000.0f),
-                                    "Aperture of a lens on a 24 mm high sensor [everything is sharp]");
-  CLI::Option* focus = add_value(verb, "--focus-distance", "M|auto", o.shot.focus_distance, parse_focus,
-                                 "What is sharp, metres [auto: --target or the subject's centre]");
-  CLI::Option* blades = add_value(verb, "--blades", "N", o.shot.blades, count_within(0, 64),
-                                  "Corners of the aperture, below 3 it is round [0]");
-  CLI::Option* vignetting = add_value(verb, "--vignetting", "X", o.shot.vignetting, number_within(0.0f, 1.0f),
-                                      "Fall-off to the corners: 0 none, 1 natural [0]");
-  CLI::Option* no_clip =
-      verb->add_flag("--no-clip", o.shot.ignores_planes,
-                     "The file's camera sees what is before its near plane and beyond its far one, too");
-  camera->excludes(orbit)->excludes(eye);
-  no_clip->excludes(orbit)->excludes(eye);
-  orbit->excludes(eye);
-  target->needs(eye);
-  CLI::Option* turntable = add_value(verb, "--turntable", "N", o.shot.turntable, count_within(1, 100000),
-                                     "N pictures from all around the subject, into -o NAME%03d.png");
-  for (CLI::Option* option :
-       {camera, orbit, eye, target, fov, f_number, focus, blades, vignetting, no_clip, turntable}) {
-    option->group(group);
+  Option f_number = add_value(command, "--f-number", "F", o.shot.f_number, number_within(0.01f, 1000.0f),
+                              "Aperture of a lens on a 24 mm high sensor [everything is sharp]");
+  Option focus = add_value(command, "--focus-distance", "M|auto", o.shot.focus_distance, parse_focus,
+                           "What is sharp, metres [auto: --target or the subject's centre]");
+  Option blades = add_value(command, "--blades", "N", o.shot.blades, count_within(0, 64),
+                            "Corners of the aperture, below 3 it is round [0]");
+  Option vignetting = add_value(command, "--vignetting", "X", o.shot.vignetting, number_within(0.0f, 1.0f),
+                                "Fall-off to the corners: 0 none, 1 natural [0]");
+  Option no_clip = command.flag("--no-clip", o.shot.ignores_planes,
+                                "The file's camera sees what is before its near plane and beyond its far one, too");
+  camera.excludes(orbit).excludes(eye);
+  no_clip.excludes(orbit).excludes(eye);
+  orbit.excludes(eye);
+  target.needs(eye);
+  Option turntable = add_value(command, "--turntable", "N", o.shot.turntable, count_within(1, 100000),
+                               "N pictures from all around the subject, into -o NAME%03d.png");
+  for (Option option : {camera, orbit, eye, target, fov, f_number, focus, blades, vignetting, no_clip, turntable}) {
+    option.group(group);
   }
 }
 
-void add_time(CLI::App* verb, RenderOptions& o) {
+void add_time(Command& command, RenderOptions& o) {
   const std::string group = "Time";
   const auto text = [](const std::string& value) { return value; };
-  add_value(verb, "--frame-time", "1.5s", o.shot.moment_s, parse_moment,
+  add_value(command, "--frame-time", "1.5s", o.shot.moment_s, parse_moment,
             "The moment of the animation that is shown [the file at rest; 0s with the options below]")
-      ->group(group);
-  add_value(verb, "--animation", "NAME|INDEX|all", o.shot.animation, text,
+      .group(group);
+  add_value(command, "--animation", "NAME|INDEX|all", o.shot.animation, text,
             "Which of the file's animations, as candela info lists them; all: every one together [the first]")
-      ->group(group);
-  add_value(verb, "--shutter", "20ms", o.shot.shutter_s, parse_duration,
+      .group(group);
+  add_value(command, "--shutter", "20ms", o.shot.shutter_s, parse_duration,
             "Motion blur: how long the picture is exposed while the scene moves [not at all]")
-      ->group(group);
-  add_value(verb, "--sequence", "N", o.shot.sequence, count_within(1, 100000),
+      .group(group);
+  add_value(command, "--sequence", "N", o.shot.sequence, count_within(1, 100000),
             "N pictures over the animation from --frame-time to its end, into -o NAME%03d.png")
-      ->group(group);
+      .group(group);
 }
 
-void add_light(CLI::App* verb, RenderOptions& o) {
+void add_light(Command& command, RenderOptions& o) {
   const std::string group = "Light";
   const auto text = [](const std::string& value) { return value; };
   const auto degrees_within = [](float low, float high) {
     return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
   };
   add_value(
-      verb, "--env", "FILE|NAME", o.shot.environment, text,
+      command, "--env", "FILE|NAME", o.shot.environment, text,
       "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
-      ->group(group);
-  add_value(verb, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
+      .group(group);
+  add_value(command, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
             "Height of the sun: short for --env sky:DEG")
-      ->group(group);
-  add_value(verb, "--env-rotation", "DEG", o.shot.environment_rotation, degrees_within(-36000.0f, 36000.0f),
+      .group(group);
+  add_value(command, "--env-rotation", "DEG", o.shot.environment_rotation, degrees_within(-36000.0f, 36000.0f),
             "Turns the environment about +y [0]")
-      ->group(group);
-  add_value(verb, "--env-intensity", "X", o.shot.environment_intensity, number_within(0.0f, kHuge),
+      .group(group);
+  add_value(command, "--env-intensity", "X", o.shot.environment_intensity, number_within(0.0f, kHuge),
             "Multiplies the environment [1]")
-      ->group(group);
-  add_value(verb, "--light-falloff", "KIND", o.shot.falloff, parse_falloff,
+      .group(group);
+  add_value(command, "--light-falloff", "KIND", o.shot.falloff, parse_falloff,
             "Of every point and spot: gltf, inverse-square, ue4 or polynomial[:A0,A1,A2] [each light's own]")
-      ->group(group);
+      .group(group);
 }
 
-void add_running(CLI::App* verb, RenderOptions& o) {
+void add_running(Command& command, RenderOptions& o) {
   const std::string group = "Running";
-  add_root(verb, o.shot.load.root)->group(group);
-  add_value(verb, "--threads", "N", o.threads, count_within(0, 1024), "0 is all; the picture does not depend on it [0]")
-      ->group(group);
-  add_value(verb, "--engine", "path|raster", o.shot.engine, parse_engine,
+  add_root(command, o.shot.load.root).group(group);
+  add_value(command, "--threads", "N", o.threads, count_within(0, 1024),
+            "0 is all; the picture does not depend on it [0]")
+      .group(group);
+  add_value(command, "--engine", "path|raster", o.shot.engine, parse_engine,
             "path, the path tracer; raster, OpenGL: a frame in a moment, with or without a GPU [path]")
-      ->group(group);
+      .group(group);
   const auto file_name = [](const std::string& value) {
     if (value.empty()) throw UsageError("the name is empty");
     return fs::path(value);
   };
-  add_value(verb, "--stats", "FILE.json", o.stats, file_name,
+  add_value(command, "--stats", "FILE.json", o.stats, file_name,
             "Times, rays, memory and warnings as JSON; - is standard output")
-      ->group(group);
-  verb->add_flag("-q,--quiet", o.quiet, "Nothing on standard error but errors")->group(group);
-  verb->add_flag("--strict", o.strict, "Warnings are errors")->group(group);
-  verb->set_help_flag("-h,--help", "This text")->group(group);
+      .group(group);
+  command.flag("-q,--quiet", o.quiet, "Nothing on standard error but errors").group(group);
+  command.flag("--strict", o.strict, "Warnings are errors").group(group);
+  command.help().group(group);
 }
 
-void add_raster(CLI::App* verb, RenderOptions& o) {
+void add_raster(Command& command, RenderOptions& o) {
   const std::string group = "With --engine raster";
-  add_value(verb, "--msaa", "N", o.shot.drawn.msaa, count_within(1, 16),
+  add_value(command, "--msaa", "N", o.shot.drawn.msaa, count_within(1, 16),
             "Samples of each frame at edges, 1 to what the driver has [4]")
-      ->group(group);
+      .group(group);
   const auto quantity = [&o](const std::string& text) {
     constexpr std::string_view kLight = "light:";
     if (text.starts_with(kLight)) {
@@ -209,33 +206,34 @@ void add_raster(CLI::App* verb, RenderOptions& o) {
       throw UsageError(error.message());
     }
   };
-  add_value(verb, "--view", "NAME", o.shot.drawn.quantity, quantity,
+  add_value(command, "--view", "NAME", o.shot.drawn.quantity, quantity,
             "One quantity in place of all light: normal, base-color, roughness, specular, light:0, … [light]")
-      ->group(group);
+      .group(group);
   add_value(
-      verb, "--ao", "X", o.shot.drawn.occlusion_radius, number_within(0.0f, 1.0f),
+      command, "--ao", "X", o.shot.drawn.occlusion_radius, number_within(0.0f, 1.0f),
       "How far surfaces take the environment's light from each other, over the scene's size, e.g. 0.05 [0: not at all]")
-      ->group(group);
-  verb->add_flag("--soft-shadows", o.shot.drawn.has_soft_shadows,
-                 "Shadows of suns soften with the distance from what casts them (those of glowing surfaces always do)")
-      ->group(group);
-  add_value(verb, "--light-radius", "M", o.shot.drawn.light_radius, number_within(0.0f, 1e6f),
+      .group(group);
+  command
+      .flag("--soft-shadows", o.shot.drawn.has_soft_shadows,
+            "Shadows of suns soften with the distance from what casts them (those of glowing surfaces always do)")
+      .group(group);
+  add_value(command, "--light-radius", "M", o.shot.drawn.light_radius, number_within(0.0f, 1e6f),
             "The same for points and spots, as if they were balls so large [0: hard]")
-      ->group(group);
-  add_value(verb, "--ambient", "KIND", o.shot.drawn.ambient, parse_ambient,
+      .group(group);
+  add_value(command, "--ambient", "KIND", o.shot.drawn.ambient, parse_ambient,
             "Light from far away: baked, or for comparison harmonics, mips, constant, none [baked]")
-      ->group(group);
-  add_value(verb, "--probes", "N", o.shot.probes, count_within(0, 64),
+      .group(group);
+  add_value(command, "--probes", "N", o.shot.probes, count_within(0, 64),
             "Light from within the scene, path traced at N places, in place of that from far away [0]")
-      ->group(group);
-  verb->add_flag("!--no-cache", o.keeps_cache, "Bake the environment anew, and keep nothing of it")->group(group);
+      .group(group);
+  command.flag("!--no-cache", o.keeps_cache, "Bake the environment anew, and keep nothing of it").group(group);
   const auto folder = [](const std::string& value) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
     return value;
   };
-  add_value(verb, "--shaders", "DIR", o.shot.drawn.shader_folder, folder,
+  add_value(command, "--shaders", "DIR", o.shot.drawn.shader_folder, folder,
             "For development: read shaders from there in place of those in the program")
-      ->group(group);
+      .group(group);
 }
 
 std::string footer() {
@@ -309,11 +307,11 @@ void check_outputs(RenderOptions& o) {
 }
 
 /// What only one of the engines knows is not silently ignored by the other.
-void check_engine(const CLI::App& verb, const RenderOptions& o) {
+void check_engine(const Command& command, const RenderOptions& o) {
   const bool is_raster = o.shot.engine == Engine::raster;
   const auto refuse = [&](std::initializer_list<const char*> options, const std::string& why) {
     for (const char* option : options) {
-      if (verb.count(option) > 0) throw UsageError(std::string(option) + ": " + why);
+      if (command.has(option)) throw UsageError(std::string(option) + ": " + why);
     }
   };
   if (is_raster) {
@@ -347,29 +345,27 @@ std::string default_output(const RenderOptions& o, int attempt) {
   return o.shot.has_many_pictures() ? literal_in_pattern(stem) + "-%03d.png" : stem + ".png";
 }
 
-CLI::App* add_render_options(CLI::App& app, RenderOptions& options) {
-  CLI::App* verb = app.add_subcommand("render", "Render a glTF scene to a picture")->group("Verbs");
-  verb->add_option("SCENE", options.scenes,
-                   "A .glb, a .gltf, a .zip with one of them, or a built-in demo:NAME; several with -o DIR")
-      ->required()
-      ->type_name("");
-  add_picture(verb, options);
-  add_sampling(verb, options);
-  add_camera(verb, options);
-  add_time(verb, options);
-  add_light(verb, options);
-  add_running(verb, options);
-  add_raster(verb, options);
-  verb->footer(footer);
-  return verb;
+void add_render_options(Command& command, RenderOptions& options) {
+  command
+      .texts("SCENE", options.scenes,
+             "A .glb, a .gltf, a .zip with one of them, or a built-in demo:NAME; several with -o DIR")
+      .required();
+  add_picture(command, options);
+  add_sampling(command, options);
+  add_camera(command, options);
+  add_time(command, options);
+  add_light(command, options);
+  add_running(command, options);
+  add_raster(command, options);
+  command.footer(footer());
 }
 
-void finish_options(const CLI::App& verb, RenderOptions& o) {
+void finish_options(const Command& command, RenderOptions& o) {
   for (const std::string& scene : o.scenes) {
     if (scene.empty()) throw UsageError("SCENE: the name is empty");
   }
   o.shot.scene = o.scenes.front();
-  check_engine(verb, o);
+  check_engine(command, o);
   constexpr int kDefaultSamples = 128;
   constexpr int kBlurFrames = 32;
   const int default_frames = o.shot.shutter_s > 0.0 || o.shot.f_number ? kBlurFrames : 1;
@@ -379,12 +375,12 @@ void finish_options(const CLI::App& verb, RenderOptions& o) {
   if (o.keeps_cache) o.shot.drawn.cache = raster::default_cache();
   o.shot.background = o.background.kind;
   o.shot.background_color = o.background.color;
-  if (verb.count("--glass") > 0 && o.background.kind == Background::environment) {
+  if (command.has("--glass") && o.background.kind == Background::environment) {
     throw UsageError("--glass: without another --background glass shows the environment");
   }
-  o.develop_given = verb.count("--exposure") + verb.count("--tonemap") + verb.count("--bloom") > 0;
+  o.develop_given = command.has("--exposure") || command.has("--tonemap") || command.has("--bloom");
   if (o.shot.drawn.light_radius > 0.0f) o.shot.drawn.has_soft_shadows = true;
-  o.shot.focuses_on_target = verb.count("--focus-distance") > 0;
+  o.shot.focuses_on_target = command.has("--focus-distance");
 
   if (o.sun_elevation) {
     if (o.shot.environment.value_or("sky") != "sky") throw UsageError("--sun-elevation: only for --env sky");

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <CLI/App.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "candela/shot.h"
+#include "cli/command_line.h"
 #include "cli/values.h"
 
 namespace candela::cli {
@@ -29,8 +29,8 @@ struct RenderOptions {
   bool strict = false;
 };
 
-/// Adds `render` with its options to `app`. They fill `options`, which must outlive the parsing.
-CLI::App* add_render_options(CLI::App& app, RenderOptions& options);
+/// Adds the options of `render`. They fill `options`, which must outlive the parsing.
+void add_render_options(Command& command, RenderOptions& options);
 
 /// The name that a scene's picture has unless another is given: the file's, or that of a demo.
 std::string default_stem(const std::string& scene);
@@ -40,6 +40,6 @@ std::string default_stem(const std::string& scene);
 std::string default_output(const RenderOptions& options, int attempt);
 
 /// Fills what follows from several options together and refuses combinations that make no sense (UsageError).
-void finish_options(const CLI::App& verb, RenderOptions& options);
+void finish_options(const Command& command, RenderOptions& options);
 
 }  // namespace candela::cli

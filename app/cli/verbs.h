@@ -1,19 +1,39 @@
 #pragma once
 
-#include <CLI/App.hpp>
+#include <array>
 #include <functional>
+#include <string>
+#include <string_view>
+
+#include "cli/command_line.h"
 
 namespace candela::cli {
 
-/// Each verb adds its sub-command to `app` and returns what to do when the user names it.
+/// Each verb adds its options to its command and returns what to do when the user names it.
 using Verb = std::function<void()>;
-Verb add_render(CLI::App& app);
-Verb add_info(CLI::App& app);
-Verb add_furnace(CLI::App& app);
-Verb add_bake(CLI::App& app);
-Verb add_check(CLI::App& app);
-Verb add_view(CLI::App& app);
-Verb add_figures(CLI::App& app);
+Verb add_render(Command& command);
+Verb add_info(Command& command);
+Verb add_furnace(Command& command);
+Verb add_bake(Command& command);
+Verb add_check(Command& command);
+Verb add_view(Command& command);
+Verb add_figures(Command& command);
+
+struct VerbInfo {
+  std::string_view name;
+  std::string_view what;  ///< one line of --help
+  Verb (*add)(Command& command);
+};
+/// What `candela` can do: a verb is a row here, and a file.
+inline constexpr auto kVerbs = std::to_array<VerbInfo>({
+    {"render", "Render a glTF scene to a picture", add_render},
+    {"info", "Say what a scene, an image or a texture file holds", add_info},
+    {"furnace", "Measure what the materials do with light", add_furnace},
+    {"bake", "Image-based light for engines, with its error measured", add_bake},
+    {"check", "Judge materials, textures and meshes as a physicist would", add_check},
+    {"view", "Show a scene in a window, drawn in real time", add_view},
+    {"figures", "Make the figures of physically based shading, as pages to read", add_figures},
+});
 
 /// Writes `text` to standard output; throws Error where that fails (a full disk behind a redirection).
 void print(const std::string& text);

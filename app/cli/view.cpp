@@ -226,28 +226,25 @@ void Viewer::run() {
 
 }  // namespace
 
-Verb add_view(CLI::App& app) {
+Verb add_view(Command& command) {
   const auto options = std::make_shared<ViewOptions>();
-  CLI::App* verb = app.add_subcommand("view", "Show a scene in a window, drawn in real time")->group("Verbs");
-  verb->add_option("SCENE", options->scene, "A .glb, a .gltf, a .zip with one of them, or a built-in demo:NAME")
-      ->required()
-      ->type_name("");
+  command.text("SCENE", options->scene, "A .glb, a .gltf, a .zip with one of them, or a built-in demo:NAME").required();
   add_value(
-      verb, "--env", "FILE|NAME", options->environment, [](const std::string& value) { return value; },
+      command, "--env", "FILE|NAME", options->environment, [](const std::string& value) { return value; },
       "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, furnace, none [the scene's wish, else studio]");
-  add_value(verb, "--size", "WxH", options->size, parse_size, "Of the window, pixels [1280x720]");
+  add_value(command, "--size", "WxH", options->size, parse_size, "Of the window, pixels [1280x720]");
   const auto folder = [](const std::string& value) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
     return value;
   };
-  add_value(verb, "--shaders", "DIR", options->shader_folder, folder,
+  add_value(command, "--shaders", "DIR", options->shader_folder, folder,
             "For development: read shaders from there, and again whenever they change");
-  add_root(verb, options->root);
-  add_scene_choice(verb, options->scene_choice);
-  add_measures(verb, options->measures);
-  add_value(verb, "--frames", "N", options->frames, count_within(1, 1000000),
+  add_root(command, options->root);
+  add_scene_choice(command, options->scene_choice);
+  add_measures(command, options->measures);
+  add_value(command, "--frames", "N", options->frames, count_within(1, 1000000),
             "Close after N frames, and say how long they took");
-  verb->footer(
+  command.footer(
       R"(Drag turns the scene, the wheel comes closer. Space starts and stops its first animation, S saves the picture as
 NAME.png, R reads --shaders again, Escape closes.
 
