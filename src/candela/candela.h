@@ -90,6 +90,9 @@ DevelopSettings default_develop(const Scene& scene);
 
 /// Renders with default_light and default_view.
 Film render(const Scene& scene, const path::Settings& settings = {});
+/// One picture by the engine whose settings these are: render(scene, environment, view, settings, job, statistics).
+using path::render;
+using raster::render;
 
 /// Light as it arrives at `count` places spread over a scene, path traced with `samples` per texel; lamps and suns are
 /// left out, which the rasterizer draws as lights of their own. For raster::Drawer::set_probes. Throws Interrupted

@@ -251,11 +251,8 @@ std::map<std::string, std::string> Take::metadata(double samples_per_pixel) cons
 }
 
 /// Pictures of a set have one exposure, that of the first: else they would flicker.
-void Take::hand_over(std::size_t index, Film film, TakenPicture picture, TakeResult& result,
-                     const std::function<void(TakenPicture)>& take) {
-  if (shot_.has_many_pictures() && !develop_.exposure) develop_.exposure = metered_exposure(film);
-  picture.index = index;
-  picture.film = std::move(film);
+void Take::hand_over(TakenPicture picture, TakeResult& result, const std::function<void(TakenPicture)>& take) {
+  if (shot_.has_many_pictures() && !develop_.exposure) develop_.exposure = metered_exposure(picture.film);
   picture.develop = develop_;
   result.is_last_unfinished = result.interrupted = !picture.is_whole();
   ++result.done;
@@ -329,14 +326,13 @@ TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job&
         job.partial(std::move(film));
       };
     }
-    TakenPicture picture;
-    path::Statistics& statistics = picture.traced;
-    Film film = trace_one(index, part, statistics);
-    if (statistics.samples == 0) throw Interrupted("before the first sample: no picture");
-    film.metadata.merge(metadata(statistics.mean_samples_per_pixel));
-    add_work(statistics, result.traced);
-    result.traced.mean_samples_per_pixel = statistics.mean_samples_per_pixel;
-    hand_over(index, std::move(film), std::move(picture), result, take);
+    TakenPicture picture{.index = index};
+    picture.film = trace_one(index, part, picture.traced);
+    if (picture.traced.samples == 0) throw Interrupted("before the first sample: no picture");
+    picture.film.metadata.merge(metadata(picture.traced.mean_samples_per_pixel));
+    add_work(picture.traced, result.traced);
+    result.traced.mean_samples_per_pixel = picture.traced.mean_samples_per_pixel;
+    hand_over(std::move(picture), result, take);
     result.interrupted |= result.done < result.asked && job.is_stopped();
   }
   result.traced.interrupted = result.interrupted;
@@ -375,11 +371,11 @@ TakeResult Take::draw(const std::function<void(TakenPicture)>& take, const Job& 
   for (std::size_t index = 0; index < result.asked && !result.interrupted; ++index) {
     Job part = parts.part(index, prefix_of(index, result.asked));
     part.diagnostics = diagnostics_;
-    TakenPicture picture;
-    Film film = draw_one(index, drawer, part, picture.drawn);
-    film.metadata.merge(metadata(picture.drawn.frames));
+    TakenPicture picture{.index = index};
+    picture.film = draw_one(index, drawer, part, picture.drawn);
+    picture.film.metadata.merge(metadata(picture.drawn.frames));
     add_work(picture.drawn, result.drawn);
-    hand_over(index, std::move(film), std::move(picture), result, take);
+    hand_over(std::move(picture), result, take);
     result.interrupted |= result.done < result.asked && job.is_stopped();
   }
   result.drawn.interrupted = result.interrupted;

@@ -106,8 +106,8 @@ class Stage {
 /// One picture of a take.
 struct TakenPicture {
   std::size_t index = 0;
-  Film film;                     ///< with metadata: scene, camera, environment, samples, …
-  DevelopSettings develop;       ///< pictures of one take have one exposure, that of the first
+  Film film = {};                ///< with metadata: scene, camera, environment, samples, …
+  DevelopSettings develop = {};  ///< pictures of one take have one exposure, that of the first
   path::Statistics traced = {};  ///< of the engine that made it
   raster::Statistics drawn = {};
   bool is_whole() const { return !traced.interrupted && !drawn.interrupted; }
@@ -151,8 +151,7 @@ class Take {
   Scene scene_at(double moment_s);
   View view_at(const Scene& scene, std::size_t index) const;
   std::map<std::string, std::string> metadata(double samples_per_pixel) const;
-  void hand_over(std::size_t index, Film film, TakenPicture picture, TakeResult& result,
-                 const std::function<void(TakenPicture)>& take);
+  void hand_over(TakenPicture picture, TakeResult& result, const std::function<void(TakenPicture)>& take);
   TakeResult trace(const std::function<void(TakenPicture)>& take, const Job& job);
   Film trace_one(std::size_t index, const Job& job, path::Statistics& statistics);
   Film trace_moving(std::size_t index, const Job& job, path::Statistics& statistics);

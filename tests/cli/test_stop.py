@@ -107,7 +107,7 @@ class Raster(StopTest, RasterTest):
             seen += block
         os.close(master)
         self.assertEqual(process.wait(), 0)
-        self.assertRegex(seen.decode(), r"\r\[[#.]+\] picture \d of 2, frame \d of 8")
+        self.assertRegex(seen.decode(), r"\r\[[#.]+\] +\d+ %  picture \d of 2, frame \d of 8")
 
 
 class Path(StopTest, CliTest):
