@@ -88,6 +88,7 @@ Bsdf real_bsdf(const SurfaceParams& params) {
       if (bent != vec3(0.0f)) peaks.push_back(bent);
       if (is_bent) peaks.push_back(-wo);  // where media hardly differ, light seen at grazing angles hardly bends
     }
+    if ((params.lobes & shade::kLobeRetroreflection) != 0) peaks.push_back(wo);
     return peaks;
   };
   return bsdf;

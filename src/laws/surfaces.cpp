@@ -195,6 +195,19 @@ void add_coats(Table& table) {
 }
 
 void add_matter(Table& table) {
+  for (const float metallic : {0.0f, 1.0f}) {
+    const std::string matter = metallic > 0.0f ? "metal" : "dielectric";
+    for (const float share : {0.5f, 1.0f}) {
+      SurfaceParams p = white(metallic);
+      p.lobes |= shade::kLobeRetroreflection;
+      p.retroreflection = share;
+      table.add(matter + " that sends back " + number(share), p, {}, true);
+      with_coat(p, 0.2f);
+      with_sheen(p, 0.4f);
+      table.add(matter + " that sends back " + number(share) + " below sheen and coat", p, {true, true, 0.085, 0.015},
+                false);
+    }
+  }
   for (const float roughness : {0.5f, 1.0f}) {
     SurfaceParams p = white(0.0f);
     with_diffuse_roughness(p, roughness);

@@ -99,6 +99,10 @@ struct Material {
   TextureSlot diffuse_transmission_texture;        ///< A
   TextureSlot diffuse_transmission_color_texture;  ///< sRGB
 
+  // KHR_materials_retroreflection (release candidate): which share of what facets reflect returns to where it came from
+  float retroreflection = 0.0f;
+  TextureSlot retroreflection_texture;  ///< R
+
   // KHR_materials_diffuse_roughness (draft): 0 = Lambert's diffuse layer, 1 = facets that stand every way
   float diffuse_roughness = 0.0f;
   TextureSlot diffuse_roughness_texture;  ///< R

@@ -59,6 +59,7 @@ inline constexpr auto kUnratifiedExtensions = std::to_array<UnratifiedExtension>
     {"KHR_materials_clearcoat_darkening", "a draft"},
     {"KHR_materials_clearcoat_ior", "a draft"},
     {"KHR_materials_diffuse_roughness", "a draft"},
+    {"KHR_materials_retroreflection", "a release candidate, not ratified"},
 });
 
 // ----- textures
@@ -87,6 +88,7 @@ inline constexpr std::string_view kAnisotropyPlace = "extensions/KHR_materials_a
 inline constexpr std::string_view kIridescencePlace = "extensions/KHR_materials_iridescence";
 inline constexpr std::string_view kTransmissionPlace = "extensions/KHR_materials_transmission";
 inline constexpr std::string_view kVolumePlace = "extensions/KHR_materials_volume";
+inline constexpr std::string_view kRetroreflectionPlace = "extensions/KHR_materials_retroreflection";
 inline constexpr std::string_view kDiffuseRoughnessPlace = "extensions/KHR_materials_diffuse_roughness";
 inline constexpr std::string_view kDiffuseTransmissionPlace = "extensions/KHR_materials_diffuse_transmission";
 
@@ -129,6 +131,7 @@ inline constexpr auto kTextureRows = [] {
        {kDiffuseTransmissionPlace, "diffuseTransmissionColorTexture"},
        color},
       {"diffuse_roughness", &M::diffuse_roughness_texture, {kDiffuseRoughnessPlace, "diffuseRoughnessTexture"}, data},
+      {"retroreflection", &M::retroreflection_texture, {kRetroreflectionPlace, "retroreflectionTexture"}, data},
       {"scatter_strength", &M::scatter_strength_texture, {kSpecialPlace, "scatterStrengthTexture"}, alpha},
       {"multiscatter_color", &M::multiscatter_color_texture, {kSpecialPlace, "multiscatterColorTexture"}, color},
       {"specular_glossiness", &M::specular_glossiness_texture, {kSpecialPlace, "specularGlossinessTexture"}, color},
@@ -216,6 +219,7 @@ inline constexpr auto kLobes = std::to_array<LobeRow>({
     {shade::kLobeTransmission, "transmission", "transmission"},
     {shade::kLobeDiffuseTransmission, "diffuse transmission", "diffuse_transmission"},
     {shade::kLobeDiffuseRoughness, "diffuse roughness", "diffuse_roughness"},
+    {shade::kLobeRetroreflection, "retroreflection", "retroreflection"},
 });
 
 /// The lobe that alone reads a property.
@@ -384,6 +388,9 @@ inline constexpr auto kMaterialProperties = [] {
       Row("diffuse_roughness", &M::diffuse_roughness, {kDiffuseRoughnessPlace, "diffuseRoughnessFactor"}, kUnit,
           {&M::diffuse_roughness_texture, red}, {kLobeDiffuseRoughness, kSwitch}, &P::diffuse_roughness,
           "of the diffuse layer's own facets"),
+      Row("retroreflection", &M::retroreflection, {kRetroreflectionPlace, "retroreflectionFactor"}, kUnit,
+          {&M::retroreflection_texture, red}, {kLobeRetroreflection, kSwitch}, &P::retroreflection,
+          "share of what facets reflect that returns to where it came from"),
       Row("sheet_scatter", &M::sheet_scatter, kSpecial, kUnit, {&M::scatter_strength_texture, alpha},
           {kLobeDiffuseTransmission}, {&P::scatter, "scatter"}, "share of what a sheet transmits that is scattered"),
       Row("multiscatter_color", &M::multiscatter_color, kSpecial, kUnit, {&M::multiscatter_color_texture, rgb},

@@ -7,6 +7,7 @@
 #include "shade/lobe_diffuse_roughness.glsl.h"
 #include "shade/lobe_diffuse_transmission.glsl.h"
 #include "shade/lobe_iridescence.glsl.h"
+#include "shade/lobe_retroreflection.glsl.h"
 #include "shade/lobe_sheen.glsl.h"
 #include "shade/lobe_transmission.glsl.h"
 #include "shade/model_shares.glsl.h"
@@ -34,6 +35,7 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   anisotropy_matter(p, s);
   conductor_matter(p, s);
   rough_diffuse_matter(p, s);
+  retro_matter(p, s);
   glass_matter(p, s);
   below_matter(p, s);
   iridescence_matter_on_top(p, s);
@@ -144,14 +146,20 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
   // ----- facets
   if (!s.is_mirror) {
     float density = terms_pdf_visible(s, wo, wm);
-    vec3 f = terms_fresnel_opaque(s, cos_m);
-    r.pdf += s.chance_specular * density;
+    float straight = 1.0f - s.retroreflection;
+    vec3 f = terms_fresnel_opaque(s, cos_m) * straight;
+    r.pdf += s.chance_specular * straight * density;
     if (s.weight_glass > 0.0f && !s.is_glass_delta) {
       SurfaceEval glass = glass_facets(s, cos_m, density);
       f += glass.value;
       r.pdf += glass.pdf;
     }
     r.value += f * (terms_dv(s, wo, wi, wm) * over);
+    if (s.retroreflection > 0.0f) {
+      SurfaceEval turned = retro_facets(s, wo, wi);
+      r.value += turned.value * over;
+      r.pdf += turned.pdf;
+    }
   }
   r.value = r.value * wi.z;
 
@@ -200,15 +208,19 @@ SHADE_APART SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, v
   vec3 wi = vec3(0.0f);
   float at = s.chance_specular;
   if (u.z < at) {
+    bool is_turned = u.z < at * s.retroreflection;
     if (s.is_mirror) {
+      float share = retro_mirror_share(s, wo, is_turned);
+      if (is_turned) r.wi = wo;
       r.is_delta = true;
-      r.pdf = s.chance_specular;
-      r.weight = terms_fresnel_opaque(s, wo.z) * (layers_over(s, layers_at(s, r.wi)) / r.pdf);
+      r.pdf = s.chance_specular * share;
+      r.weight = terms_fresnel_opaque(s, wo.z) * (share * layers_over(s, layers_at(s, r.wi)) / r.pdf);
       r.weight = r.weight * coat_filter(s, coat_cosine(s, r.wi));
       return r;
     }
     wi = microfacet_reflect(wo, terms_sample_visible(s, wo, u2));
     if (wi.z <= 0.0f) return r;
+    if (is_turned) wi = retro_turned(wi);
   } else if (u.z < at + s.chance_glass) {
     float u_side = (u.z - at) / s.chance_glass;
     if (s.is_glass_delta) {

@@ -18,6 +18,7 @@ SHADE_CONST int kLobeDiffuseTransmission = 32;
 SHADE_CONST int kLobeSheen = 64;
 SHADE_CONST int kLobeClearcoat = 128;
 SHADE_CONST int kLobeDiffuseRoughness = 256;
+SHADE_CONST int kLobeRetroreflection = 512;
 
 /// What textures and factors say at one point, before any physics. Linear Rec.709.
 struct SurfaceParams {
@@ -60,6 +61,8 @@ struct SurfaceParams {
   float clearcoat_darkening;  ///< how much counts of the light that its underside sends back down
 
   float diffuse_roughness;
+
+  float retroreflection;  ///< share of what opaque facets reflect that returns to where it came from
 };
 
 /// The closure: what eval, sample and pdf need, computed once per hit for one viewing direction.
@@ -163,6 +166,8 @@ struct Surface {
   float diffuse_balance_mean;  ///< mean transmission of the boundary
   float diffuse_balance_o;     ///< see rough_diffuse_balance
 
+  float retroreflection;
+
   float chance_glass;
   float chance_diffuse_below;  ///< cosine-weighted, other side
   float chance_sheen;
@@ -240,6 +245,7 @@ SHADE_FN SurfaceParams surface_params_default() {
   p.clearcoat_color = vec3(1.0f);
   p.clearcoat_darkening = 0.0f;
   p.diffuse_roughness = 0.0f;
+  p.retroreflection = 0.0f;
   return p;
 }
 

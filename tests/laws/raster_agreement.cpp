@@ -94,6 +94,12 @@ std::vector<NamedMaterial> materials() {
   add("coat on sheen", [](Material& m) {
     m.clearcoat = 0.8f, m.sheen_color = {0.6f, 0.5f, 0.3f}, m.sheen_roughness = 0.4f;
   });
+  add("tinted coat", [](Material& m) {
+    m.clearcoat = 0.8f, m.clearcoat_roughness = 0.2f, m.clearcoat_ior = 1.8f, m.clearcoat_color = {0.8f, 0.4f, 0.3f};
+  });
+  add("coat that darkens", [](Material& m) { m.clearcoat = 0.8f, m.clearcoat_darkening = 1.0f; });
+  add("rough diffuse layer", [](Material& m) { m.diffuse_roughness = 0.8f; });
+  add("sent back", [](Material& m) { m.retroreflection = 0.7f, m.metallic = 0.5f; });
   add("film", [](Material& m) { m.iridescence = 1.0f, m.iridescence_thickness_max_nm = 420.0f; });
   add("film on metal", [](Material& m) { m.iridescence = 1.0f, m.metallic = 1.0f; });
   add("conductor", [](Material& m) {

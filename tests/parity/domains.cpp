@@ -89,7 +89,7 @@ Domain often_up(const Domain& rest) {
 }
 
 /// A set of lobes: each bit of kLobe… by chance, those of `always` always.
-Domain lobes(int always = 0, int possible = 2 * shade::kLobeDiffuseRoughness - 1) {
+Domain lobes(int always = 0, int possible = 2 * shade::kLobeRetroreflection - 1) {
   return [=](Pcg32& random, float* x, int) {
     // Every sixteenth has none, as most materials.
     const bool none = random.next_float() < 1.0f / 16.0f;
@@ -128,6 +128,7 @@ const std::vector<Row>& rows() {
       {"below_*:at/*p.lobes", lobes(shade::kLobeClearcoat)},
       {"rough_diffuse_*:s/*p.lobes", lobes(shade::kLobeDiffuseRoughness)},
       {"rough_diffuse_*:s/*p.diffuse_roughness", uniform(0.1f, 1.0f)},
+      {"retro_*:s/*p.lobes", lobes(shade::kLobeRetroreflection)},
       {"anisotropy_*:s/*p.lobes", lobes(shade::kLobeModel)},
       {"iridescence_*:s/*p.lobes", lobes(shade::kLobeIridescence)},
       {"iridescence_*:s/*p.iridescence", uniform(0.1f, 1.0f)},
@@ -234,6 +235,7 @@ const std::vector<Row>& rows() {
       {"SurfaceParams.clearcoat_ior", often(1.5f, uniform(1.0f, 2.5f))},
       {"SurfaceParams.clearcoat_color", often(1.0f, uniform(0.1f, 1.0f))},
       {"SurfaceParams.clearcoat_darkening", often(0.0f, uniform(0.0f, 1.0f))},
+      {"SurfaceParams.retroreflection", uniform(0.0f, 1.0f)},
       {"SurfaceParams.eta", magnitude(0.4f, 2.5f)},
       {"SurfaceParams.clearcoat_normal", often_up(direction(0.3f, 1.0f))},
 

@@ -447,6 +447,10 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #endif
   float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
   color += (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * (part(2) * specular_visible);
+#ifdef LOBE_retroreflection
+  vec3 turned = prefiltered(image_light_dominant(n, p.wo, s.alpha), s.alpha) - mirrored_light(p, bent, s.alpha);
+  color += shares.specular * turned * (s.retroreflection * part(2) * specular_visible);
+#endif
 #ifdef HAS_LAYERS
 #if defined(LOBE_diffuse_transmission) && !defined(IS_SCATTERING)
   color += shares.below * texture(diffuse_light, -n).rgb * (part(1) / kShadePi);
@@ -491,6 +495,9 @@ mat3 viewer_frame(vec3 n, vec3 wo) {
 vec3 area_light(Point p, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
   mat3 local = viewer_frame(p.normal, p.wo);
   mat3 lobe = area_lobe(wo.z, sqrt(s.alpha)) * local;
+#ifdef LOBE_retroreflection
+  mat3 turned_lobe = area_lobe(wo.z, sqrt(s.alpha)) * mat3(-1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0) * local;
+#endif
 #ifdef LOBE_clearcoat
   vec3 nc = normalize(frame * s.coat_normal);
   mat3 coat_lobe = area_lobe(max(dot(nc, p.wo), 0.0), sqrt(s.coat_alpha)) * viewer_frame(nc, p.wo);
@@ -504,6 +511,9 @@ vec3 area_light(Point p, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
     vec3 value = shares.diffuse * seen + (shares.specular + shares.glass) * area_seen(lobe, c);
 #ifdef HAS_LAYERS
     value += shares.sheen * seen;
+#ifdef LOBE_retroreflection
+    value += shares.specular * (s.retroreflection * (area_seen(turned_lobe, c) - area_seen(lobe, c)));
+#endif
 #ifdef LOBE_clearcoat
     value += shares.coat * area_seen(coat_lobe, c);
 #endif

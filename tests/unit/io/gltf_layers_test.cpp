@@ -44,6 +44,7 @@ const NumberCase kNumbers[] = {
     {"KHR_materials_volume", "attenuationDistance", &Material::attenuation_distance, kUnlimited, 1e-9f, kUnlimited},
     {"KHR_materials_dispersion", "dispersion", &Material::dispersion, 0, 0, 1e3f},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", &Material::diffuse_transmission, 0, 0, 1},
+    {"KHR_materials_retroreflection", "retroreflectionFactor", &Material::retroreflection, 0, 0, 1},
     {"KHR_materials_diffuse_roughness", "diffuseRoughnessFactor", &Material::diffuse_roughness, 0, 0, 1},
     {"KHR_materials_volume_scatter", "scatterAnisotropy", &Material::scatter_anisotropy, 0, -0.999f, 0.999f},
     {"KHR_materials_scatter", "scatterAnisotropy", &Material::scatter_anisotropy, 0, -0.999f, 0.999f},
@@ -91,6 +92,7 @@ const SlotCase kSlots[] = {
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", &Material::diffuse_transmission_texture},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture",
      &Material::diffuse_transmission_color_texture},
+    {"KHR_materials_retroreflection", "retroreflectionTexture", &Material::retroreflection_texture},
     {"KHR_materials_diffuse_roughness", "diffuseRoughnessTexture", &Material::diffuse_roughness_texture},
     {"KHR_materials_volume_scatter", "multiscatterColorTexture", &Material::multiscatter_color_texture},
 };
