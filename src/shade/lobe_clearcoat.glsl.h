@@ -174,7 +174,7 @@ SHADE_FN SurfaceSample coat_sample_delta(SHADE_IN(Surface) s, vec3 wo) {
   SurfaceSample r = surface_no_sample(wo);
   vec3 o = coat_to_local(s, wo);
   vec3 wi = coat_from_local(s, vec3(-o.x, -o.y, o.z));
-  if (wi.z <= 0.0f) return r;
+  if (wi.z <= 0.0f || s.chance_coat <= 0.0f) return r;
   r.wi = wi;
   r.is_delta = true;
   r.pdf = s.chance_coat;
