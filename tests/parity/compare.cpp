@@ -53,6 +53,7 @@ const std::vector<Row>& rows() {
       {"workflow_residual", {.floor = 1e-2}},
       // u.y next to 1 leaves almost nothing of the half vector to normalise.
       {"ggx_sample_*", {.outliers = 3e-3}},
+      {"coat_direction", {.outliers = 6e-3}},
       // The same, and facets of width 0.001: the weight of so narrow a lobe has one or two digits of its direction.
       {"surface_sample", {.outliers = 1e-2}},
       {"layers_sample", {.outliers = 1e-2}},

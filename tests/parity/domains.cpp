@@ -131,7 +131,7 @@ const std::vector<Row>& rows() {
       {"retro_*:s/*p.lobes", lobes(shade::kLobeRetroreflection)},
       {"model_sheen:s/*p.lobes", lobes(shade::kLobeModel | shade::kLobeSheen)},
       {"coat_tint:s/*p.clearcoat_darkening", uniform(0.1f, 1.0f)},
-      {"coat_direction:s/*p.clearcoat_roughness", uniform(0.05f, 1.0f)},  // a mirror has no facets to ask for
+      {"coat_direction:s/*p.clearcoat_roughness", uniform(0.1f, 1.0f)},  // a mirror has no facets to ask for
       {"glass_add_below:s/*p.roughness", uniform(0.05f, 1.0f)},
       {"sheen_scale:s/*p.sheen_roughness", uniform(0.0f, 0.2f)},  // narrow fibres, seen flatly: elsewhere it is 1
       {"sheen_scale:mu", uniform(0.0f, 0.1f)},
