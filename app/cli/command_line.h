@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): CLI11's own
 class App;
 class Option;
 }  // namespace CLI
@@ -38,7 +38,7 @@ class Command {
   Option texts(const std::string& name, std::vector<std::string>& into, const std::string& help);
   Option flag(const std::string& name, bool& into, const std::string& help);
   /// `store` is called with the text, and may throw.
-  Option value(const std::string& name, const std::string& type, std::function<void(const std::string&)> store,
+  Option value(const std::string& name, const std::string& type, const std::function<void(const std::string&)>& store,
                const std::string& help);
   /// --help, in a group of its own choice.
   Option help();

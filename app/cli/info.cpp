@@ -21,8 +21,6 @@
 
 namespace candela::cli {
 
-namespace fs = std::filesystem;
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -133,7 +133,7 @@ TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::sh
   std::size_t index = 0;
   Job job = progress.job();
   job.partial = [&](const Film& film) { partial.write(outputs_of(o, index), film, take.develop()); };
-  const TakeResult result = take.render(
+  TakeResult result = take.render(
       [&](const TakenPicture& picture) {
         const Stopwatch writing;
         const std::vector<fs::path> outputs = outputs_of(o, index++);

@@ -52,6 +52,7 @@ Disagreement compare(const std::vector<dvec3>& said, const std::vector<dvec3>& s
 
 std::vector<dvec3> evaluated(const ibl::Sh& sh, const std::vector<dvec3>& at) {
   std::vector<dvec3> result;
+  result.reserve(at.size());
   for (const dvec3& direction : at) result.push_back(ibl::sh_evaluate(sh, direction));
   return result;
 }
@@ -64,6 +65,7 @@ Disagreement least_disagreement(const FileSurvey::Irradiance& irradiance, const 
   const ibl::Sh exact = ibl::sh_irradiance(ibl::sh_project(source, 2));
   const std::vector<dvec3> of_light = directions();
   std::vector<dvec3> of_world;
+  of_world.reserve(of_light.size());
   for (const dvec3& direction : of_light) of_world.push_back(glm::dquat(irradiance.world_from_light) * direction);
   const std::vector<dvec3> said = evaluated({2, irradiance.coefficients}, of_light);
   Disagreement least = compare(said, evaluated(exact, of_world));

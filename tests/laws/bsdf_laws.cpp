@@ -87,7 +87,8 @@ struct Sphere {
 Verdict reciprocity(const Bsdf& bsdf, const Trial& trial) {
   if (!trial.promise.is_reciprocal) return {};
   const double error = laws::reciprocity_error(bsdf);
-  return error <= laws::reciprocity_slack(bsdf.eta != 1.0) ? Verdict{} : failure("f(wo, wi) and f(wi, wo) differ by ", error);
+  return error <= laws::reciprocity_slack(bsdf.eta != 1.0) ? Verdict{}
+                                                           : failure("f(wo, wi) and f(wi, wo) differ by ", error);
 }
 
 Verdict finiteness(const Bsdf& bsdf, const Trial&) {

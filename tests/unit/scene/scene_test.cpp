@@ -196,7 +196,8 @@ TEST(unit_scene, a_good_scene_is_valid_and_each_broken_promise_is_found) {
   EXPECT_THAT(broken([](Scene& s) { s.meshes[0].primitives[0].material = 1; }), HasSubstr("material does not exist"));
   EXPECT_THAT(broken([&](Scene& s) { s.meshes[0].primitives[0].positions[1].z = nan; }),
               HasSubstr("a vertex is not finite"));
-  EXPECT_THAT(broken([&](Scene& s) { s.materials[0].roughness = nan; }), HasSubstr("materials/0: roughness nan lies outside 0 to 1"));
+  EXPECT_THAT(broken([&](Scene& s) { s.materials[0].roughness = nan; }),
+              HasSubstr("materials/0: roughness nan lies outside 0 to 1"));
   EXPECT_THAT(broken([](Scene& s) { s.materials[0].emissive_texture.texture = 1; }),
               HasSubstr("the texture does not exist"));
   EXPECT_THAT(broken([](Scene& s) { s.materials[0].normal_texture.uv_set = -1; }), HasSubstr("uv set"));
