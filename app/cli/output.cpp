@@ -3,25 +3,19 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/text.h"
 
 namespace candela::cli {
 
 namespace fs = std::filesystem;
 
-bool has_extension(const fs::path& path, std::string_view extension) {
-  std::string own = path.extension().string();
-  std::transform(own.begin(), own.end(), own.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return own == extension;
-}
+bool has_extension(const fs::path& path, std::string_view extension) { return lower_extension(path) == extension; }
 
 bool is_linear_format(const fs::path& path) { return has_extension(path, ".exr") || has_extension(path, ".hdr"); }
 

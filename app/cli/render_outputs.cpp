@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <set>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "cli/output.h"
 
 namespace candela::cli {
@@ -92,8 +92,7 @@ class FolderNames {
 
   /// Whether it is free; then it is taken from here on.
   bool take(const std::string& name) {
-    std::string key = name;
-    std::transform(key.begin(), key.end(), key.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string key = lower_case(name);
     const fs::path path = folder_ / name;
     if (names_.contains(key) || inputs_.contains(path)) return false;
     // Two names may be links to one file.

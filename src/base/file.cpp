@@ -3,13 +3,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace candela {
 
@@ -77,10 +76,7 @@ std::string file_identity(const fs::path& path) {
   // A link to what is not there is made into a file at its own place.
   fs::path real = fs::weakly_canonical(path, code);
   if (real.empty()) real = path.lexically_normal();
-  std::string name = fs::absolute(real, code).string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name;
+  return lower_case(fs::absolute(real, code).string());
 }
 
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {

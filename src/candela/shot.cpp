@@ -42,8 +42,11 @@ std::vector<View> all_around(const View& view, vec3 center, int count) {
   return views;
 }
 
-path::Settings traced_settings(const Shot& shot) {
-  path::Settings settings = shot.traced;
+namespace {
+
+/// An engine's settings with what a shot says of the picture, which both engines know.
+template <class Settings>
+Settings with_picture(Settings settings, const Shot& shot) {
   settings.width = shot.size.x;
   settings.height = shot.size.y;
   settings.background = shot.background;
@@ -52,15 +55,10 @@ path::Settings traced_settings(const Shot& shot) {
   return settings;
 }
 
-raster::Settings drawn_settings(const Shot& shot) {
-  raster::Settings settings = shot.drawn;
-  settings.width = shot.size.x;
-  settings.height = shot.size.y;
-  settings.background = shot.background;
-  settings.environment_in_glass = shot.environment_in_glass;
-  settings.layers = shot.layers;
-  return settings;
-}
+}  // namespace
+
+path::Settings traced_settings(const Shot& shot) { return with_picture(shot.traced, shot); }
+raster::Settings drawn_settings(const Shot& shot) { return with_picture(shot.drawn, shot); }
 
 std::uint64_t picture_bytes(const Shot& shot) {
   return shot.engine == Engine::raster ? raster::picture_bytes(drawn_settings(shot))

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/text.h"
 #include "io/foreign_scene.h"
 #include "io/gltf_survey.h"
 #include "io/scene_files.h"
@@ -122,9 +122,7 @@ Verdict judge_file(const std::string& name, const LoadOptions& options, const Jo
 }
 
 bool is_scene_file(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_extension(path);
   return extension == ".gltf" || extension == ".glb" || io::has_foreign_extension(path) ||
          (extension == ".zip" && io::is_scene_archive(path));
 }

@@ -7,6 +7,8 @@
 #include <map>
 #include <string>
 
+#include "base/text.h"
+
 namespace candela::foreign {
 
 namespace {
@@ -166,9 +168,7 @@ void for_each_statement(std::string_view text, const std::function<void(const st
     constexpr std::string_view kMark = "\xEF\xBB\xBF";
     if (rest.starts_with(kMark)) rest = trimmed(rest.substr(kMark.size()));
     if (!rest.empty() && rest.front() != '#') {
-      std::string word(take_word(rest));
-      std::transform(word.begin(), word.end(), word.begin(),
-                     [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+      const std::string word = lower_case(std::string(take_word(rest)));
       read(word, rest);
     }
     joined.clear();

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/text.h"
 #include "image/bloom.h"
 #include "image/image_file.h"
 #include "shade/color.glsl.h"
@@ -194,13 +195,6 @@ std::vector<MeterPixel> lit_pixels(const Image& beauty) {
   return lit;
 }
 
-std::string extension_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
-
 }  // namespace
 
 ToneCurve parse_tone_curve(std::string_view name) {
@@ -278,14 +272,14 @@ DisplayImage develop(const Film& film, const DevelopSettings& settings) {
 }
 
 void check_output_extension(const std::filesystem::path& path) {
-  const std::string extension = extension_of(path);
+  const std::string extension = lower_extension(path);
   for (const char* known : {".png", ".jpg", ".jpeg", ".hdr", ".exr"})
     if (extension == known) return;
   throw Error("unknown picture extension \"" + extension + "\" (known: .png, .jpg, .jpeg, .hdr, .exr)", path.string());
 }
 
 std::uint64_t writing_bytes(const std::filesystem::path& path, int width, int height, const std::set<Layer>& layers) {
-  const std::string extension = extension_of(path);
+  const std::string extension = lower_extension(path);
   const std::uint64_t pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   // All of it, where noise does not compress, and what coloured glass lets through.
   if (extension == ".exr") return pixels * (film_bytes_per_pixel(layers) + 3 * sizeof(float));
@@ -295,7 +289,7 @@ std::uint64_t writing_bytes(const std::filesystem::path& path, int width, int he
 
 void write_film(const std::filesystem::path& path, const Film& film, const DevelopSettings& settings) {
   check_output_extension(path);
-  const std::string extension = extension_of(path);
+  const std::string extension = lower_extension(path);
   if (extension == ".exr") return write_exr(path, film);
   if (extension == ".hdr") return write_hdr(path, film.beauty);
   const DisplayImage image = develop(film, settings);

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string_view>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "foreign/convert.h"
 #include "foreign/formats.h"
 
@@ -16,13 +16,6 @@ namespace candela::io {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 [[noreturn]] void refuse(std::span<const std::byte> bytes, const std::string& label) {
   const std::string_view kind = foreign::guess_kind(bytes);

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <iterator>
 #include <optional>
@@ -14,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "foreign/formats.h"
 #include "io/foreign_scene.h"
 #include "io/zip_archive.h"
@@ -59,9 +59,7 @@ fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.
 constexpr std::size_t kHead = 64;
 
 bool has_gltf_name(const std::string& name) {
-  std::string extension = fs::path(name).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_extension(name);
   return extension == ".gltf" || extension == ".glb";
 }
 
