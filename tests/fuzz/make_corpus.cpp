@@ -82,7 +82,9 @@ std::vector<Bytes> written_pictures(const std::string& extension) {
 
 std::vector<Bytes> linear_seeds() {
   const fs::path path = fs::temp_directory_path() / "candela-seed";
-  Film film(9, 5, {Layer::normal});
+  Film film;
+  film.beauty = Image(9, 5, 4);
+  film.layers[Layer::normal] = Image(9, 5, 3);
   for (float& value : film.beauty.pixels) value = 0.25f;
   write_exr(path, film);
   std::vector<Bytes> seeds = {taken(path)};
