@@ -31,7 +31,7 @@ inline std::array<std::uint8_t, 4> shown(int x, int y) {
 inline std::uint8_t index_of(int x, int y) { return static_cast<std::uint8_t>((x / 3 + y) % 4); }
 
 inline void put(Bytes& out, std::uint64_t value, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) out.push_back(static_cast<std::byte>(value >> (8 * i) & 255));
+  for (; count > 0; --count, value >>= 8) out.push_back(static_cast<std::byte>(value & 255));
 }
 
 /// The texel as so many bits hold it, little-endian.
@@ -53,7 +53,8 @@ inline Bytes tga(const Tga& t) {
   Bytes out;
   const int kind = t.kind & ~8;
   put(out, 3, 1), put(out, kind == 1 ? 1 : 0, 1), put(out, static_cast<std::uint64_t>(t.kind), 1);
-  put(out, kind == 1 ? 10 : 0, 2), put(out, kind == 1 ? 4 : 0, 2), put(out, kind == 1 ? t.map_bits : 0, 1);
+  put(out, kind == 1 ? 10 : 0, 2), put(out, kind == 1 ? 4 : 0, 2),
+      put(out, kind == 1 ? static_cast<std::uint64_t>(t.map_bits) : 0, 1);
   put(out, 0, 4), put(out, kWidth, 2), put(out, kHeight, 2), put(out, static_cast<std::uint64_t>(t.bits), 1);
   put(out, static_cast<std::uint64_t>(t.alpha_bits | (t.mirrored ? 16 : 0) | (t.top_down ? 32 : 0)), 1);
   put(out, 0x616263, 3);
