@@ -17,10 +17,11 @@ SLICE_S = 120  # of wall time between two looks at the processor's
 
 
 def commands_of(build):
-    """The commands of the tests fuzz.*, by their kind."""
+    """The commands of the tests fuzz.* whose programs are built, by their kind."""
     shown = subprocess.run(["ctest", "--test-dir", build, "-R", r"^fuzz\.", "--show-only=json-v1"],
                            check=True, capture_output=True, text=True)
-    return {test["name"].removeprefix("fuzz."): test["command"] for test in json.loads(shown.stdout)["tests"]}
+    tests = json.loads(shown.stdout)["tests"]
+    return {test["name"].removeprefix("fuzz."): test["command"] for test in tests if "command" in test}
 
 
 def cpu_s():
