@@ -28,6 +28,8 @@ FOLDERS = {
     "ibl": ("image-based light: cubes, irradiance, prefiltered lobes, tables, the proof of their error, what each engine "
             "expects", "scene image math base shade"),
     "path": ("the path tracer", "scene image math base shade"),
+    "denoise": ("noise taken out of a film: regression on its features, or Open Image Denoise where it is installed",
+                "image math base"),
     "gl": ("OpenGL ES 3.0: a context without a window, a window, names that give themselves back, programs, shader text "
            "with its includes", "math base"),
     "raster": ("the real-time renderer", "gl ibl scene image math base shade"),
@@ -36,7 +38,7 @@ FOLDERS = {
     "check": ("the judgement of assets", "path ibl scene image math base shade"),
     "figures": ("the figures of the field and their pages", "laws raster path ibl content scene image math base shade"),
     "candela": ("the front door of the library: `load`, `render`, `default_view`; recipes: shots, light to bake, verdicts",
-                "check raster path ibl io content scene image math base shade"),
+                "check denoise raster path ibl io content scene image math base shade"),
 }
 ALLOWED = {folder: set(below.split()) for folder, (_, below) in FOLDERS.items()}
 
@@ -55,7 +57,7 @@ THIRD_PARTY = {
     "astcenc.h": {"image"},
     "draco/": {"io"},
     "embree": {"path"},
-    "fmt/": {"app", "candela", "check", "content", "figures", "foreign", "ibl", "image", "io", "laws", "path", "raster", "scene"},
+    "fmt/": {"app", "candela", "check", "content", "denoise", "figures", "foreign", "ibl", "image", "io", "laws", "path", "raster", "scene"},
     "glm/": set(ALLOWED) | {"app"},
     "jpeglib.h": {"image"},
     "nlohmann/": {"app", "foreign", "io"},
@@ -77,7 +79,7 @@ LIBRARIES = {
 PUBLIC = ("glm/", "GL")
 FREE = {"tests", "examples", "bench"}  # may use GoogleTest and whatever else they need
 
-SYSTEM = re.compile(r"^(sys/\w+|unistd|fcntl|immintrin|xmmintrin|pmmintrin)\.h$|^[a-z_]+$")
+SYSTEM = re.compile(r"^(sys/\w+|unistd|fcntl|immintrin|xmmintrin|pmmintrin|tmmintrin|dlfcn)\.h$|^[a-z_]+$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 

@@ -58,6 +58,10 @@ Option Command::texts(const std::string& name, std::vector<std::string>& into, c
 Option Command::flag(const std::string& name, bool& into, const std::string& help) {
   return Option(app_->add_flag(name, into, help));
 }
+Option Command::flag_or_value(const std::string& name, const std::string& type, std::string& into,
+                              const std::string& help) {
+  return Option(app_->add_flag(name, into, help)).type(type);
+}
 Option Command::value(const std::string& name, const std::string& type,
                       const std::function<void(const std::string&)>& store, const std::string& help) {
   return Option(app_->add_option_function<std::string>(name, store, help)).type(type);

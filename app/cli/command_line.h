@@ -37,6 +37,8 @@ class Command {
   Option text(const std::string& name, std::string& into, const std::string& help);
   Option texts(const std::string& name, std::vector<std::string>& into, const std::string& help);
   Option flag(const std::string& name, bool& into, const std::string& help);
+  /// A flag that may have a value after an equals sign; `into` is "true" without one.
+  Option flag_or_value(const std::string& name, const std::string& type, std::string& into, const std::string& help);
   /// `store` is called with the text, and may throw.
   Option value(const std::string& name, const std::string& type, const std::function<void(const std::string&)>& store,
                const std::string& help);

@@ -145,6 +145,7 @@ TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::sh
         }
       },
       job);
+  times.denoise_s = result.denoise_s;
   times.total_s = total.seconds();
   if (is_raster) {
     for (const std::string& output : o.outputs) progress.line(drawn_text(output, o, result, times.total_s));

@@ -75,6 +75,11 @@ void add_sampling(Command& command, RenderOptions& o) {
   add_value(command, "--noise", "X", o.shot.traced.noise, number_within(1e-6f, 1.0f),
             "Stop each pixel when its relative error is estimated below X, e.g. 0.01")
       .group(group);
+  command
+      .flag_or_value(
+          "--denoise", "[=regression|oidn]", o.denoiser,
+          "Take out the noise that is left, by what is built in or by Open Image Denoise where it is installed")
+      .group(group);
   add_value(command, "--bounces", "N", o.shot.traced.bounces, count_within(0, 1024),
             "Scattering events along a path; 1 is direct light only [8]")
       .group(group);
@@ -306,6 +311,15 @@ void check_outputs(RenderOptions& o) {
   if (!o.shot.layers.empty() && !any_exr) throw UsageError("--aov: only an .exr holds layers; add -o FILE.exr");
 }
 
+denoise::Method parse_denoiser(const std::string& text, path::Integrator integrator) {
+  if (integrator != path::Integrator::full) throw UsageError("--denoise: only for --integrator full");
+  try {
+    return text == "true" ? denoise::Method::regression : denoise::parse_method(text);
+  } catch (const Error& error) {
+    throw UsageError("--denoise: " + std::string(error.what()));
+  }
+}
+
 /// What only one of the engines knows is not silently ignored by the other.
 void check_engine(const Command& command, const RenderOptions& o) {
   const bool is_raster = o.shot.engine == Engine::raster;
@@ -315,7 +329,8 @@ void check_engine(const Command& command, const RenderOptions& o) {
     }
   };
   if (is_raster) {
-    refuse({"--time", "--noise", "--bounces", "--seed", "--filter", "--integrator"}, "only for --engine path");
+    refuse({"--time", "--noise", "--denoise", "--bounces", "--seed", "--filter", "--integrator"},
+           "only for --engine path");
   } else {
     refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao", "--soft-shadows", "--light-radius", "--ambient",
             "--probes"},
@@ -378,6 +393,7 @@ void finish_options(const Command& command, RenderOptions& o) {
   if (command.has("--glass") && o.background.kind == Background::environment) {
     throw UsageError("--glass: without another --background glass shows the environment");
   }
+  if (command.has("--denoise")) o.shot.denoiser = parse_denoiser(o.denoiser, o.shot.traced.integrator);
   o.develop_given = command.has("--exposure") || command.has("--tonemap") || command.has("--bloom");
   if (o.shot.drawn.light_radius > 0.0f) o.shot.drawn.has_soft_shadows = true;
   o.shot.focuses_on_target = command.has("--focus-distance");

@@ -22,6 +22,7 @@ struct RenderOptions {
   bool keeps_cache = true;             ///< of the rasterizer
   std::optional<float> sun_elevation;  ///< degrees
   BackgroundChoice background;
+  std::string denoiser = {};   ///< as --denoise has it
   bool develop_given = false;  ///< --exposure, --tonemap or --bloom
   int threads = 0;
   std::optional<std::filesystem::path> stats;  ///< "-" is standard output

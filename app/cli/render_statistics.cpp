@@ -67,6 +67,7 @@ std::string stats_json(const RenderOptions& o, const path::Statistics& s, const 
       {"load_s", times.load_s},
       {"build_s", s.build_s},
       {"render_s", s.render_s},
+      {"denoise_s", times.denoise_s},
       {"write_s", times.write_s},
       {"total_s", times.total_s},
       {"cpu_s", cpu_seconds(usage)},

@@ -12,6 +12,7 @@ namespace candela::cli {
 
 struct Times {
   double load_s = 0.0;
+  double denoise_s = 0.0;
   double write_s = 0.0;
   double total_s = 0.0;
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/stopwatch.h"
 #include "path/statistics.h"
 
 namespace candela {
@@ -57,12 +58,18 @@ Settings with_picture(Settings settings, const Shot& shot) {
 
 }  // namespace
 
-path::Settings traced_settings(const Shot& shot) { return with_picture(shot.traced, shot); }
+path::Settings traced_settings(const Shot& shot) {
+  path::Settings settings = with_picture(shot.traced, shot);
+  settings.has_features |= shot.denoiser.has_value();
+  return settings;
+}
 raster::Settings drawn_settings(const Shot& shot) { return with_picture(shot.drawn, shot); }
 
 std::uint64_t picture_bytes(const Shot& shot) {
-  return shot.engine == Engine::raster ? raster::picture_bytes(drawn_settings(shot))
-                                       : path::picture_bytes(traced_settings(shot));
+  const std::uint64_t pixels = static_cast<std::uint64_t>(shot.size.x) * static_cast<std::uint64_t>(shot.size.y);
+  return shot.engine == Engine::raster
+             ? raster::picture_bytes(drawn_settings(shot))
+             : path::picture_bytes(traced_settings(shot)) + (shot.denoiser ? denoise::bytes_per_pixel() * pixels : 0);
 }
 
 const Environment& Stage::environment(const std::string& name, Diagnostics* diagnostics) {
@@ -230,7 +237,17 @@ void Take::prepare() {
     develop_.tone_curve = ToneCurve::linear;
   }
   develop_.background = shot_.background_color;
+  choose_denoiser();
   is_prepared_ = true;
+}
+
+/// What is built in stands in for a library that is not there.
+void Take::choose_denoiser() {
+  if (!shot_.denoiser || shot_.engine == Engine::raster) return;
+  const std::string why = denoise::why_not(*shot_.denoiser);
+  if (why.empty()) return;
+  warn(why + "; the built-in regression denoises");
+  shot_.denoiser = denoise::Method::regression;
 }
 
 std::map<std::string, std::string> Take::metadata(double samples_per_pixel) const {
@@ -245,6 +262,7 @@ std::map<std::string, std::string> Take::metadata(double samples_per_pixel) cons
   if (!shot_.load.scene.empty()) result["scene_of_file"] = shot_.load.scene;
   if (!shot_.load.variant.empty()) result["variant"] = shot_.load.variant;
   if (!shot_.shading_name.empty()) result["shading"] = shot_.shading_name;
+  if (shot_.denoiser) result["denoiser"] = denoise::method_name(*shot_.denoiser);
   return result;
 }
 
@@ -327,6 +345,12 @@ TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job&
     TakenPicture picture{.index = index};
     picture.film = trace_one(index, part, picture.traced);
     if (picture.traced.samples == 0) throw Interrupted("before the first sample: no picture");
+    if (shot_.denoiser) {
+      const Stopwatch watch;
+      denoise::denoise(picture.film, *shot_.denoiser);
+      picture.denoise_s = watch.seconds();
+      result.denoise_s += picture.denoise_s;
+    }
     picture.film.metadata.merge(metadata(picture.traced.mean_samples_per_pixel));
     add_work(picture.traced, result.traced);
     result.traced.mean_samples_per_pixel = picture.traced.mean_samples_per_pixel;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "candela/candela.h"
+#include "denoise/denoise.h"
 
 /// Recipes: what is asked of a picture, or of a set of them, by either engine, from the file to what is developed.
 namespace candela {
@@ -35,10 +36,11 @@ struct Shot {
   Background background = Background::environment;
   bool environment_in_glass = false;  ///< of another background: glass shows the environment behind it all the same
   shade::ShadingModel shading = shade::shading_model_candela();
-  std::string shading_name = {};  ///< for the metadata; empty = the default model
-  path::Settings traced = {};     ///< what the path tracer alone knows: the members above go before
-  raster::Settings drawn = {};    ///< what the rasterizer alone knows, likewise
-  int probes = 0;                 ///< of the rasterizer: places where light from within the scene is traced
+  std::string shading_name = {};                 ///< for the metadata; empty = the default model
+  path::Settings traced = {};                    ///< what the path tracer alone knows: the members above go before
+  raster::Settings drawn = {};                   ///< what the rasterizer alone knows, likewise
+  std::optional<denoise::Method> denoiser = {};  ///< of traced pictures; Film::noisy has them as they were
+  int probes = 0;  ///< of the rasterizer: places where light from within the scene is traced
 
   // ----- where it is taken from: the first of these that is given, else default_view()
   std::optional<vec3> eye = {};
@@ -110,6 +112,7 @@ struct TakenPicture {
   DevelopSettings develop = {};  ///< pictures of one take have one exposure, that of the first
   path::Statistics traced = {};  ///< of the engine that made it
   raster::Statistics drawn = {};
+  double denoise_s = 0.0;
   bool is_whole() const { return !traced.interrupted && !drawn.interrupted; }
 };
 
@@ -121,6 +124,7 @@ struct TakeResult {
   bool is_last_unfinished = false;  ///< of those that are done
   path::Statistics traced = {};     ///< of all, by the engine that made them
   raster::Statistics drawn = {};
+  double denoise_s = 0.0;
 };
 
 /// A shot that is being taken: its file is open, its pictures can be had. Warnings go to `diagnostics`, which must
@@ -146,6 +150,7 @@ class Take {
  private:
   void choose_moments();
   void choose_camera();
+  void choose_denoiser();
   View choose_view(const Scene& scene, std::string& description) const;
   void set_lens(const Scene& scene, View& view) const;
   Scene scene_at(double moment_s);

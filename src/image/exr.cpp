@@ -89,7 +89,7 @@ void set_compression(Imf::Header& header, const Film& film) {
 }
 
 std::size_t film_bytes(const Film& film) {
-  std::size_t floats = film.beauty.pixels.size() + film.through.pixels.size();
+  std::size_t floats = film.beauty.pixels.size() + film.through.pixels.size() + film.noisy.pixels.size();
   for (const auto& [layer, image] : film.layers) floats += image.pixels.size();
   return floats * sizeof(float);
 }
@@ -109,6 +109,7 @@ void write_exr(const std::filesystem::path& path, const Film& film) {
     if (beauty.channels == 1) add_channel(header, frame, "Y", beauty, 0);
     for (std::size_t c = 0; beauty.channels >= 3 && c < 3; ++c) add_channel(header, frame, names[c], beauty, c);
     if (!is_opaque(beauty)) add_channel(header, frame, "A", beauty, 3);
+    if (!film.noisy.empty()) add_rgb(header, frame, "noisy", film.noisy);
     if (is_colored(film.through)) add_rgb(header, frame, "through", film.through);
     for (const auto& [layer, image] : film.layers) add_layer(header, frame, layer, image);
     add_metadata(header, film.metadata, where);

@@ -48,9 +48,20 @@ void set_through(Image through, Film& film) {
 }
 
 void accumulate(const Film& film, float share, Film& sum) {
-  const auto add = [share](const Image& from, Image& to) {
-    for (std::size_t i = 0; i < from.pixels.size(); ++i) to.pixels[i] += share * from.pixels[i];
+  const auto add_scaled = [](const Image& from, float scale, Image& to) {
+    if (to.pixels.empty()) to = Image(from.width, from.height, from.channels);
+    for (std::size_t i = 0; i < from.pixels.size(); ++i) to.pixels[i] += scale * from.pixels[i];
   };
+  const auto add = [&](const Image& from, Image& to) { add_scaled(from, share, to); };
+  if (film.features) {
+    if (!sum.features) sum.features.emplace();
+    add(film.features->albedo, sum.features->albedo);
+    add(film.features->normal, sum.features->normal);
+    add(film.features->seen, sum.features->seen);
+    add_scaled(film.features->albedo_variance, share * share, sum.features->albedo_variance);
+    add_scaled(film.features->normal_variance, share * share, sum.features->normal_variance);
+    add_scaled(film.features->variance, share * share, sum.features->variance);
+  }
   if (sum.beauty.pixels.empty()) {
     sum.beauty = Image(film.width(), film.height(), film.beauty.channels);
     for (const auto& [layer, image] : film.layers) {
@@ -68,8 +79,8 @@ void accumulate(const Film& film, float share, Film& sum) {
   }
 }
 
-std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers) {
-  std::uint64_t floats = 4;  // of the picture
+std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers, bool has_features) {
+  std::uint64_t floats = has_features ? 4 + 14 : 4;  // of the picture
   for (const Layer layer : layers) floats += layer == Layer::depth || layer == Layer::object_id ? 1 : 3;
   return floats * sizeof(float);
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -27,6 +28,17 @@ std::string_view layer_name(Layer layer);
 /// Throws Error for an unknown name, listing the known ones.
 Layer parse_layer(std::string_view name);
 
+/// What a denoiser knows of a picture beside its colours: means over the samples of each pixel, and how uncertain they
+/// are. Linear, 3 channels unless said otherwise.
+struct DenoisingFeatures {
+  Image albedo;  ///< of the first surface that is neither mirror nor clear glass, as seen by these; 1 for lights
+  Image normal;  ///< world space, of the same; 0 where there is none
+  Image albedo_variance;  ///< of the mean, averaged over the channels: 1 channel
+  Image normal_variance;  ///< the same
+  Image seen;             ///< light of the picture that was never reflected or refracted: lamps and background
+  Image variance;         ///< of the mean of the picture's other light, by channel
+};
+
 /// The renderer's result: linear Rec.709 radiance before exposure and tone curve, alpha = coverage, and named layers.
 struct Film {
   Image beauty;  ///< 4 channels, premultiplied
@@ -35,6 +47,8 @@ struct Film {
   /// is 1 - alpha of the picture. Else that alpha is alpha_before(through).
   Image through;
   std::map<Layer, Image> layers;
+  std::optional<DenoisingFeatures> features;    ///< where they were asked for
+  Image noisy;                                  ///< the picture before it was denoised; empty where it was not
   std::map<std::string, std::string> metadata;  ///< scene, camera, samples, seed, version: written to the EXR header
 
   int width() const { return beauty.width; }
@@ -52,11 +66,12 @@ void set_through(Image through, Film& film);
 void accumulate(const Film& film, float share, Film& sum);
 
 /// Of the pixels of a film with these layers, the picture included.
-std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers);
+std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers, bool has_features = false);
 
 /// Writes 32-bit float EXR, compressed without loss: R,G,B,A of the beauty, and each layer as `name.R` … (`depth.Z`,
-/// `id.Y`). The alpha channel is left out when every pixel is opaque. What coloured glass lets through is `through.R`
-/// …: picture + through × background. Throws Error where the path cannot be written.
+/// `id.Y`), and the picture before it was denoised as `noisy.R` …. The alpha channel is left out when every pixel is
+/// opaque. What coloured glass lets through is `through.R` …: picture + through × background. Throws Error where the
+/// path cannot be written.
 void write_exr(const std::filesystem::path& path, const Film& film);
 
 }  // namespace candela

@@ -1,9 +1,35 @@
 #include "path/accumulator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace candela::path {
+
+namespace {
+
+/// Sobol' points do better than independent samples, by how much the difference of two halves says; of one pixel it
+/// says little, of the pixels around it enough.
+void scale_variance(const Image& halves, Image& variance) {
+  constexpr int kRadius = 3;
+  const Image before = variance;
+  for (int y = 0; y < variance.height; ++y) {
+    for (int x = 0; x < variance.width; ++x) {
+      double found = 0.0, told = 0.0;
+      for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, variance.height - 1); ++j) {
+        for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, variance.width - 1); ++i) {
+          if (halves.at(i, j)[0] <= 0.0f) continue;
+          const vec3 v = before.rgb(i, j);
+          found += static_cast<double>(halves.at(i, j)[0]);
+          told += static_cast<double>(v.x + v.y + v.z);
+        }
+      }
+      if (told > 0.0) variance.set_rgb(x, y, before.rgb(x, y) * static_cast<float>(std::min(found / told, 1.0)));
+    }
+  }
+}
+
+}  // namespace
 
 Accumulator::Accumulator(const Settings& settings, bool has_through)
     : width_(settings.width), height_(settings.height) {
@@ -12,11 +38,13 @@ Accumulator::Accumulator(const Settings& settings, bool has_through)
   if (settings.layers.contains(Layer::albedo)) albedo_.resize(n, vec3(0.0f));
   if (settings.layers.contains(Layer::normal)) normal_.resize(n, vec3(0.0f));
   if (has_through) through_.resize(n);
+  if (settings.has_features) features_.resize(n);
 }
 
 std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
   const bool may_have_through = settings.background == Background::transparent && !settings.environment_in_glass;
-  return sizeof(Pixel) + (may_have_through ? sizeof(Through) + 4 * sizeof(float) : 0) +
+  return sizeof(Pixel) + (settings.has_features ? sizeof(Features) : 0) +
+         (may_have_through ? sizeof(Through) + 4 * sizeof(float) : 0) +
          sizeof(vec3) * (settings.layers.count(Layer::albedo) + settings.layers.count(Layer::normal));
 }
 
@@ -33,6 +61,20 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
   ++p.count;
   if (!albedo_.empty()) albedo_[i] += sample.albedo;
   if (!normal_.empty()) normal_[i] += sample.normal;
+  if (!features_.empty()) {
+    Features& f = features_[i];
+    f.albedo += sample.feature_albedo;
+    f.normal += sample.feature_normal;
+    f.albedo2 += glm::dot(sample.feature_albedo, sample.feature_albedo);
+    f.normal2 += glm::dot(sample.feature_normal, sample.feature_normal);
+    f.seen += sample.seen;
+    const vec3 other = sample.radiance - sample.seen;
+    f.other2 += other * other;
+    if (((p.count - 1) & kHalf) == 0) {
+      f.other_half += other;
+      ++f.count_half;
+    }
+  }
   if (!through_.empty()) {
     Through& t = through_[i];
     const dvec3 through(sample.through);
@@ -75,7 +117,40 @@ Accumulator::Reference Accumulator::reference() const {
           kept > 0.0 ? static_cast<float>(sum / kept) : 0.0f};
 }
 
+void Accumulator::resolve_features(DenoisingFeatures& features) const {
+  features.albedo = features.normal = features.seen = features.variance = Image(width_, height_, 3);
+  features.albedo_variance = features.normal_variance = Image(width_, height_, 1);
+  Image halves(width_, height_, 1);  // squared error of the mean by the difference of two halves
+  for (std::size_t i = 0; i < features_.size(); ++i) {
+    const Features& f = features_[i];
+    const Pixel& p = pixels_[i];
+    const float n = static_cast<float>(std::max(p.count, 1U));
+    const float divisor = n > 1.0f ? n - 1.0f : 1.0f;
+    const auto variance_of_mean = [&](float mean2, float sum2) { return std::max(sum2 / n - mean2, 0.0f) / divisor; };
+    const vec3 albedo = f.albedo / n, normal = f.normal / n, seen = f.seen / n;
+    const vec3 other = vec3(dvec3(p.r, p.g, p.b)) / n - seen;
+    for (int c = 0; c < 3; ++c) {
+      const auto k = 3 * i + static_cast<std::size_t>(c);
+      features.albedo.pixels[k] = albedo[c];
+      features.normal.pixels[k] = normal[c];
+      features.seen.pixels[k] = seen[c];
+      // One sample has no variance that one could see: it is as large as what it measures.
+      features.variance.pixels[k] =
+          p.count > 1 ? variance_of_mean(other[c] * other[c], f.other2[c]) : other[c] * other[c];
+    }
+    features.albedo_variance.pixels[i] = variance_of_mean(glm::dot(albedo, albedo), f.albedo2) / 3.0f;
+    features.normal_variance.pixels[i] = variance_of_mean(glm::dot(normal, normal), f.normal2) / 3.0f;
+    const auto first = static_cast<float>(f.count_half), second = static_cast<float>(p.count - f.count_half);
+    if (second < 1.0f) continue;
+    // Of two means that are apart by d the weighted mean errs by d² ab/(a + b)².
+    const vec3 apart = f.other_half / first - (other * n - f.other_half) / second;
+    halves.pixels[i] = glm::dot(apart, apart) * first * second / (n * n);
+  }
+  scale_variance(halves, features.variance);
+}
+
 void Accumulator::resolve(Film& film) const {
+  if (!features_.empty()) resolve_features(film.features.emplace());
   film.beauty = Image(width_, height_, 4);
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const Pixel& p = pixels_[i];

@@ -49,7 +49,19 @@ class Accumulator {
   int width_;
   int height_;
   std::vector<Pixel> pixels_;
-  std::vector<vec3> albedo_;  ///< empty unless asked for
+  struct Features {
+    vec3 albedo{0.0f}, normal{0.0f}, seen{0.0f};
+    float albedo2 = 0.0f, normal2 = 0.0f;  ///< sums over samples and channels of squares
+    vec3 other2{0.0f};                     ///< of what is not seen
+    vec3 other_half{0.0f};                 ///< and its sum over those samples whose number has not the bit kHalf
+    std::uint32_t count_half = 0;
+  };
+  /// Either half of sixteen Sobol' points is as even as eight points are.
+  static constexpr std::uint32_t kHalf = 8;
+  void resolve_features(DenoisingFeatures& features) const;
+
+  std::vector<Features> features_;  ///< empty unless asked for
+  std::vector<vec3> albedo_;        ///< empty unless asked for
   std::vector<vec3> normal_;
   struct Through {
     dvec3 sum{0.0};

@@ -27,6 +27,7 @@ PathSample background_sample(const PathContext& context, vec3 direction) {
     sample.alpha = 0.0f;
     sample.through = vec3(1.0f);
   }
+  sample.seen = sample.radiance;
   return sample;
 }
 
@@ -35,6 +36,21 @@ void record_first_surface(const SurfacePoint& point, PathSample& sample) {
   sample.albedo = point.is_unlit || max_component(point.emission) > 0.0f
                       ? vec3(1.0f)
                       : glm::min(shade::surface_albedo(point.surface), vec3(1.0f));
+}
+
+/// Whether all that a surface shows is what stands before or behind it: mirrors and clear glass, polished ones too.
+bool shows_what_is_beyond(const shade::Surface& surface) {
+  constexpr float kPolished = 0.02f;  // alpha: a lobe of about a degree
+  return shade::surface_is_delta(surface) || (surface.alpha < kPolished && surface.chance_diffuse <= 0.0f);
+}
+
+/// Albedo and normal for the denoiser. False where it has to look beyond.
+bool record_features(const SurfacePoint& point, vec3 throughput, PathSample& sample) {
+  if (!point.is_unlit && shows_what_is_beyond(point.surface)) return false;
+  const vec3 albedo = point.is_unlit ? vec3(1.0f) : shade::surface_albedo(point.surface);
+  sample.feature_albedo = glm::clamp(throughput * albedo, 0.0f, 1.0f);
+  sample.feature_normal = point.frame.n;
+  return true;
 }
 
 /// What a path has met, and what else is there.
@@ -168,7 +184,12 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
   bool is_first = true;
   bool is_eye = true;                                  // the direction is the camera's still
   bool sees_background = context.background_in_glass;  // the path was never reflected or scattered
+  bool wants_features = context.has_features;
   int passed = 0;
+  const auto add = [&](vec3 light) {
+    sample.radiance += light;
+    if (is_eye && passed == 0) sample.seen += light;
+  };
   if constexpr (kHasMedia) {
     bool scattered = false;
     if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
@@ -183,13 +204,13 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       break;
     }
     if (!hit && is_eye && !context.sees_lamps) {
-      sample.radiance += walk.throughput * context.lights.environment().read(sky).radiance;
+      add(walk.throughput * context.lights.environment().read(sky).radiance);
       break;
     }
     if (!hit) {
-      sample.radiance += walk.throughput * (bsdf_pdf > 0.0f && context.lights.can_sample()
-                                                ? context.lights.escaped_radiance(ray.direction, sky, bsdf_pdf, chances)
-                                                : context.lights.escaped_radiance(ray.direction, sky));
+      add(walk.throughput * (bsdf_pdf > 0.0f && context.lights.can_sample()
+                                 ? context.lights.escaped_radiance(ray.direction, sky, bsdf_pdf, chances)
+                                 : context.lights.escaped_radiance(ray.direction, sky)));
       break;
     }
 
@@ -212,6 +233,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, crossing.eta);
     if (is_first) record_first_surface(point, sample);
     is_first = false;
+    if (wants_features && !crossing.is_hidden) wants_features = !record_features(point, walk.throughput, sample);
     vec3 direction = ray.direction;
     bool is_straight = crossing.is_hidden;
     bool is_through = true;
@@ -219,7 +241,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       if (max_component(point.emission) > 0.0f && (!is_eye || context.sees_lamps)) {
         const float weight =
             point.is_unlit ? 1.0f : emission_weight(context, hit, point, ray, drawn_at, bsdf_pdf, chances);
-        sample.radiance += walk.throughput * point.emission * weight;
+        add(walk.throughput * point.emission * weight);
       }
       if (point.is_unlit || depth == context.bounces) break;
 
@@ -287,6 +309,8 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       }
     }
   }
+  // What mirrors and glass let through, where nothing stands behind.
+  if (wants_features) sample.feature_albedo = glm::clamp(walk.throughput, 0.0f, 1.0f);
   return sample;
 }
 

@@ -21,6 +21,7 @@ struct PathContext {
   MediumStack start{};             ///< the bodies that the eye is in
   bool eye_is_wide = false;        ///< camera rays start at many places, some perhaps in bodies: `start` is none's
   bool has_first_surface = false;  ///< PathSample::albedo and normal are asked for
+  bool has_features = false;       ///< and those of the denoiser
 };
 
 struct RayCounts {
@@ -32,10 +33,13 @@ struct RayCounts {
 /// One sample of a pixel.
 struct PathSample {
   vec3 radiance{0.0f};
-  float alpha = 1.0f;  ///< 0 where the camera ray left the scene and the background is transparent
-  vec3 through{0.0f};  ///< what that background is multiplied by: 1 there, less where it is seen through glass
-  vec3 albedo{0.0f};   ///< of the first surface of the layers; 1 for lights and the background
-  vec3 normal{0.0f};   ///< of the same
+  float alpha = 1.0f;         ///< 0 where the camera ray left the scene and the background is transparent
+  vec3 through{0.0f};         ///< what that background is multiplied by: 1 there, less where it is seen through glass
+  vec3 albedo{0.0f};          ///< of the first surface of the layers; 1 for lights and the background
+  vec3 normal{0.0f};          ///< of the same
+  vec3 feature_albedo{1.0f};  ///< of the first surface that is neither mirror nor clear glass, times what these leave
+  vec3 feature_normal{0.0f};  ///< of the same; 0 where the path ends before
+  vec3 seen{0.0f};            ///< of the radiance: what was never reflected or refracted
 };
 
 /// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees.

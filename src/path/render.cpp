@@ -54,6 +54,7 @@ void check_settings(const Settings& s) {
     throw Error("picture size out of range");
   if (s.samples < 1) throw Error("at least one sample per pixel is needed");
   if (s.bounces < 0) throw Error("the number of bounces is negative");
+  if (s.has_features && s.integrator != Integrator::full) throw Error("features come from the full integrator alone");
   if (s.noise && !(*s.noise > 0.0f)) throw Error("the noise target must be above 0");
   if (s.time_limit_s && !(*s.time_limit_s > 0.0)) throw Error("the time limit must be above 0");
 }
@@ -212,6 +213,7 @@ void Picture::Impl::find_start() {
   } else {
     context_.eye_is_wide = may_be_inside(geometry_, eye);
   }
+  context_.has_features = settings_.has_features;
   // Elsewhere the first surface of the layers is that of the path.
   const bool is_by_chance = geometry_.has_blends() || !context_.start.empty() || context_.eye_is_wide;
   context_.has_first_surface =
@@ -268,6 +270,7 @@ void Picture::Impl::render_block(ivec2 corner, std::uint32_t first_sample, std::
       if (!packet.active[i]) continue;
       PathSample sample = path_of(settings_.integrator)(context_, packet.rays[i], hits[i], samplers[i], counts.rays);
       sample.radiance *= weights[i];
+      sample.seen *= weights[i];
       if (!accumulator_.add(pixels[i].x, pixels[i].y, sample)) ++counts.non_finite;
     }
   }
@@ -512,7 +515,8 @@ const char* integrator_name(Integrator integrator) {
 std::uint64_t picture_bytes(const Settings& settings) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
   const std::uint64_t flags = settings.noise ? 3 : 2;  // who is empty, has converged, and is good in itself
-  return pixels * (Accumulator::bytes_per_pixel(settings) + flags + film_bytes_per_pixel(settings.layers));
+  return pixels * (Accumulator::bytes_per_pixel(settings) + flags +
+                   film_bytes_per_pixel(settings.layers, settings.has_features));
 }
 
 Tracer::Tracer(std::shared_ptr<const Scene> scene, const Environment& environment, const shade::ShadingModel& shading)

@@ -43,6 +43,7 @@ struct Settings {
   /// False: past the scene camera rays see the environment that lights it, whatever its backdrop.
   bool sees_backdrop = true;
   std::set<Layer> layers{};
+  bool has_features = false;  ///< the film has what a denoiser asks for; Integrator::full only
 };
 
 /// How near a picture came to Settings::noise.

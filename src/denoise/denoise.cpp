@@ -1,0 +1,36 @@
+#include "denoise/denoise.h"
+
+#include <cmath>
+#include <utility>
+
+#include "base/check.h"
+#include "base/error.h"
+#include "denoise/oidn.h"
+#include "denoise/regression.h"
+
+namespace candela::denoise {
+
+Method parse_method(std::string_view name) {
+  for (const Method method : {Method::regression, Method::oidn}) {
+    if (name == method_name(method)) return method;
+  }
+  throw Error("unknown way to denoise \"" + std::string(name) + "\" (known: regression, oidn)");
+}
+
+std::string_view method_name(Method method) { return method == Method::oidn ? "oidn" : "regression"; }
+
+std::string why_not(Method method) { return method == Method::oidn ? why_no_oidn() : std::string(); }
+
+void denoise(Film& film, Method method) {
+  CANDELA_CHECK(film.features.has_value());
+  const Image clean = method == Method::oidn ? denoise_by_oidn(film) : regress(film);
+  film.noisy = film.beauty;
+  for (int y = 0; y < film.height(); ++y) {
+    for (int x = 0; x < film.width(); ++x) {
+      const vec3 color = clean.rgb(x, y);
+      if (is_finite(color)) film.beauty.set_rgb(x, y, color);
+    }
+  }
+}
+
+}  // namespace candela::denoise

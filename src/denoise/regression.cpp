@@ -1,0 +1,304 @@
+#include "denoise/regression.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "base/parallel.h"
+
+namespace candela::denoise {
+
+namespace {
+
+// Chosen by the error of 16 samples against converged pictures of a helmet, a sofa, a candle in a glass and a Cornell
+// box.
+constexpr int kRadius = 8;                 // of a window, pixels
+constexpr int kStride = 4;                 // between the middles of windows
+constexpr float kLightTolerance = 0.8f;    // standard deviations that pixels of the same light are apart
+constexpr float kFeatureTolerance = 0.6f;  // the same of normal and albedo
+constexpr float kLeastFeatureVariance = 0.01f;
+constexpr float kLeastAlbedo = 0.02f;    // that light is divided by
+constexpr float kLeastContrast = 0.01f;  // relative: less is no difference of light
+constexpr float kRidge = 1e-3f;          // of the window's weight: keeps what the window does not tell at 0
+constexpr std::size_t kBrightRank = 1;   // a pixel is at most as bright as the second of those around it
+
+constexpr std::size_t kWidth = 2 * kRadius + 1;
+constexpr std::size_t kLanes = 8;  // floats that are added at once
+constexpr std::size_t kPadded = (kWidth * kWidth + kLanes - 1) / kLanes * kLanes;
+constexpr std::size_t kFeatures = 6;
+constexpr std::size_t kBasis = 3 + kFeatures;  // one, x, y, normal, albedo
+
+using Plane = std::vector<float>;
+using Matrix = std::array<std::array<float, kBasis>, kBasis>;
+using Coefficients = std::array<std::array<float, kBasis>, 3>;  // by channel
+
+/// What windows read, pixel by pixel.
+struct Planes {
+  int width = 0, height = 0;
+  std::array<Plane, 3> albedo;         ///< that light is multiplied by in the end
+  std::array<Plane, 3> light;          ///< what is not seen directly, over albedo
+  std::array<Plane, 3> mean;           ///< of the light of 3×3 pixels
+  std::array<Plane, 3> mean_variance;  ///< of that
+  std::array<Plane, kFeatures> features;
+  std::array<Plane, 2> feature_variance;  ///< of normal and albedo
+
+  std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  }
+};
+
+void for_rows(int height, const std::function<void(int)>& body) {
+  parallel_for(0, static_cast<std::size_t>(height), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
+  });
+}
+
+/// Mean over 3×3 pixels, fewer at borders.
+Plane mean_of_nine(const Plane& in, int width, int height) {
+  Plane out(in.size());
+  for_rows(height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      float sum = 0.0f;
+      int count = 0;
+      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j) {
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i, ++count)
+          sum += in[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)];
+      }
+      out[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
+          sum / static_cast<float>(count);
+    }
+  });
+  return out;
+}
+
+/// Lone bright pixels, which no window can tell from light, become as bright as what is around them.
+void clamp_outliers(Planes& s, std::array<Plane, 3>& variance) {
+  constexpr int kReach = 2;
+  Plane level(s.light[0].size());
+  for (std::size_t i = 0; i < level.size(); ++i)
+    level[i] = luminance(vec3(s.light[0][i], s.light[1][i], s.light[2][i]));
+  for_rows(s.height, [&](int y) {
+    std::array<float, (2 * kReach + 1) * (2 * kReach + 1)> around;
+    for (int x = 0; x < s.width; ++x) {
+      auto end = around.begin();
+      for (int j = std::max(y - kReach, 0); j <= std::min(y + kReach, s.height - 1); ++j) {
+        for (int i = std::max(x - kReach, 0); i <= std::min(x + kReach, s.width - 1); ++i) *end++ = level[s.at(i, j)];
+      }
+      const auto count = static_cast<std::size_t>(end - around.begin());
+      const auto bright = around.begin() + static_cast<std::ptrdiff_t>(std::min(kBrightRank, count - 1));
+      std::nth_element(around.begin(), bright, end, std::greater<>());
+      const std::size_t p = s.at(x, y);
+      const float limit = std::max(*bright, 0.0f);
+      if (level[p] <= limit) continue;
+      const float scale = limit / level[p];
+      for (std::size_t c = 0; c < 3; ++c) {
+        s.light[c][p] *= scale;
+        variance[c][p] *= scale * scale;
+      }
+    }
+  });
+}
+
+Planes make_planes(const Film& film) {
+  const DenoisingFeatures& f = *film.features;
+  Planes s;
+  s.width = film.width();
+  s.height = film.height();
+  const std::size_t n = static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height);
+  std::array<Plane, 3> variance;
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (Plane* plane : {&s.albedo[c], &s.light[c], &s.features[c], &s.features[3 + c], &variance[c]}) plane->resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t k = 3 * i + c;
+      const float albedo = std::max(f.albedo.pixels[k], kLeastAlbedo);
+      s.albedo[c][i] = albedo;
+      s.light[c][i] = (film.beauty.pixels[4 * i + c] - f.seen.pixels[k]) / albedo;
+      variance[c][i] = f.variance.pixels[k] / (albedo * albedo);
+      s.features[c][i] = f.normal.pixels[k];
+      s.features[3 + c][i] = f.albedo.pixels[k];
+    }
+  }
+  s.feature_variance = {f.normal_variance.pixels, f.albedo_variance.pixels};
+  clamp_outliers(s, variance);
+  for (std::size_t c = 0; c < 3; ++c) {
+    s.mean[c] = mean_of_nine(s.light[c], s.width, s.height);
+    s.mean_variance[c] = mean_of_nine(variance[c], s.width, s.height);
+    for (float& v : s.mean_variance[c]) v /= 9.0f;
+  }
+  return s;
+}
+
+/// How much pixel `q` counts in the window around `p`: how likely both have the same light, and the same surface.
+float weight(const Planes& s, std::size_t p, std::size_t q) {
+  constexpr float kContrast2 = kLeastContrast * kLeastContrast;
+  float of_light = 0.0f;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float difference = s.mean[c][p] - s.mean[c][q], level = 0.5f * (s.mean[c][p] + s.mean[c][q]);
+    const float vp = s.mean_variance[c][p], vq = s.mean_variance[c][q];
+    of_light += (difference * difference - (vp + std::min(vp, vq))) /
+                (kContrast2 * (level * level + kContrast2) + kLightTolerance * kLightTolerance * (vp + vq));
+  }
+  float of_features = 0.0f;
+  for (std::size_t f = 0; f < kFeatures; ++f) {
+    const float difference = s.features[f][p] - s.features[f][q];
+    const float v = s.feature_variance[f / 3][p] + s.feature_variance[f / 3][q];
+    of_features += std::max(difference * difference - v, 0.0f) /
+                   (kFeatureTolerance * kFeatureTolerance * std::max(v, kLeastFeatureVariance));
+  }
+  return std::exp(-std::max(of_light, 0.0f) / 3.0f - of_features / kFeatures);
+}
+
+std::array<float, kBasis> basis_at(const Planes& s, ivec2 p, ivec2 q) {
+  std::array<float, kBasis> basis = {1.0f, static_cast<float>(q.x - p.x) / kRadius,
+                                     static_cast<float>(q.y - p.y) / kRadius};
+  for (std::size_t f = 0; f < kFeatures; ++f)
+    basis[3 + f] = s.features[f][s.at(q.x, q.y)] - s.features[f][s.at(p.x, p.y)];
+  return basis;
+}
+
+/// Solves a x = b for each of `b` by Cholesky's factors, in place. `a` is positive definite; its lower half is read.
+void solve(Matrix& a, Coefficients& b) {
+  for (std::size_t i = 0; i < kBasis; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      float sum = a[i][j];
+      for (std::size_t m = 0; m < j; ++m) sum -= a[i][m] * a[j][m];
+      a[i][j] = i == j ? std::sqrt(std::max(sum, 1e-12f)) : sum / a[j][j];
+    }
+  }
+  for (auto& x : b) {
+    for (std::size_t i = 0; i < kBasis; ++i) {
+      for (std::size_t m = 0; m < i; ++m) x[i] -= a[i][m] * x[m];
+      x[i] /= a[i][i];
+    }
+    for (std::size_t i = kBasis; i-- > 0;) {
+      for (std::size_t m = i + 1; m < kBasis; ++m) x[i] -= a[m][i] * x[m];
+      x[i] /= a[i][i];
+    }
+  }
+}
+
+using Row = std::array<float, kPadded>;
+
+float dot(const Row& a, const Row& b) {
+  std::array<float, kLanes> sums{};
+  for (std::size_t i = 0; i < kPadded; i += kLanes) {
+    for (std::size_t l = 0; l < kLanes; ++l) sums[l] += a[i + l] * b[i + l];
+  }
+  float sum = 0.0f;
+  for (const float s : sums) sum += s;
+  return sum;
+}
+
+Coefficients fit(const Planes& s, ivec2 middle) {
+  std::array<Row, kBasis> basis{};  // times the root of the weight
+  std::array<Row, 3> light{};
+  std::array<float, 2> feature_noise{};
+  float total = 0.0f;
+  std::size_t n = 0;
+  const std::size_t p = s.at(middle.x, middle.y);
+  for (int y = std::max(middle.y - kRadius, 0); y <= std::min(middle.y + kRadius, s.height - 1); ++y) {
+    for (int x = std::max(middle.x - kRadius, 0); x <= std::min(middle.x + kRadius, s.width - 1); ++x, ++n) {
+      const std::size_t q = s.at(x, y);
+      const float w = weight(s, p, q);
+      const float root = std::sqrt(w);
+      total += w;
+      const std::array<float, kBasis> values = basis_at(s, middle, {x, y});
+      for (std::size_t i = 0; i < kBasis; ++i) basis[i][n] = root * values[i];
+      for (std::size_t c = 0; c < 3; ++c) light[c][n] = root * s.light[c][q];
+      for (std::size_t f = 0; f < 2; ++f) feature_noise[f] += w * s.feature_variance[f][q];
+    }
+  }
+  Matrix a{};
+  Coefficients b{};
+  for (std::size_t i = 0; i < kBasis; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) a[i][j] = dot(basis[i], basis[j]);
+    for (std::size_t c = 0; c < 3; ++c) b[c][i] = dot(basis[i], light[c]);
+    if (i > 0) a[i][i] += kRidge * total;
+    if (i >= 3) a[i][i] += feature_noise[(i - 3) / 3];
+  }
+  solve(a, b);
+  return b;
+}
+
+/// Middles of windows along an axis.
+struct Middles {
+  int size;
+  int count() const { return (size + kStride - 1) / kStride + 1; }
+  int operator[](int i) const { return std::min(i * kStride, size - 1); }
+  /// The first of those whose windows hold pixel `x`.
+  int first(int x) const { return std::max((x - kRadius + kStride - 1) / kStride, 0); }
+};
+
+/// A pixel's own noise decides how much of it is replaced: all, unless around it the difference is more than noise
+/// makes.
+void keep_what_is_certain(const Film& film, Image& clean) {
+  constexpr float kNoise = 2.0f;  // how many times its expectation a difference of nine pixels may be noise
+  const std::size_t n = clean.pixels.size() / 3;
+  Plane difference(n), noise(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float d = film.beauty.pixels[4 * i + c] - clean.pixels[3 * i + c];
+      difference[i] += d * d;
+      noise[i] += film.features->variance.pixels[3 * i + c];
+    }
+  }
+  difference = mean_of_nine(difference, clean.width, clean.height);
+  noise = mean_of_nine(noise, clean.width, clean.height);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float bias2 = difference[i] - kNoise * noise[i];
+    if (!(bias2 > 0.0f)) continue;
+    const float share = bias2 / (bias2 + noise[i]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      float& value = clean.pixels[3 * i + c];
+      value += share * (film.beauty.pixels[4 * i + c] - value);
+    }
+  }
+}
+
+}  // namespace
+
+Image regress(const Film& film) {
+  const Planes s = make_planes(film);
+  const Middles columns{s.width}, rows{s.height};
+  const auto index = [&](int column, int row) {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns.count()) + static_cast<std::size_t>(column);
+  };
+  std::vector<Coefficients> fits(index(0, rows.count()));
+  for_rows(rows.count(), [&](int row) {
+    for (int column = 0; column < columns.count(); ++column)
+      fits[index(column, row)] = fit(s, {columns[column], rows[row]});
+  });
+
+  Image clean(s.width, s.height, 3);
+  for_rows(s.height, [&](int y) {
+    for (int x = 0; x < s.width; ++x) {
+      const std::size_t q = s.at(x, y);
+      // Where no window speaks for a pixel it speaks for itself.
+      constexpr float kOwn = 1e-3f;
+      float total = kOwn;
+      vec3 sum = kOwn * vec3(s.light[0][q], s.light[1][q], s.light[2][q]);
+      for (int row = rows.first(y); row < rows.count() && rows[row] - y <= kRadius; ++row) {
+        for (int column = columns.first(x); column < columns.count() && columns[column] - x <= kRadius; ++column) {
+          const ivec2 p(columns[column], rows[row]);
+          const float w = weight(s, s.at(p.x, p.y), q);
+          const std::array<float, kBasis> basis = basis_at(s, p, {x, y});
+          const Coefficients& b = fits[index(column, row)];
+          total += w;
+          for (int c = 0; c < 3; ++c) {
+            float value = 0.0f;
+            for (std::size_t i = 0; i < kBasis; ++i) value += b[static_cast<std::size_t>(c)][i] * basis[i];
+            sum[c] += w * value;
+          }
+        }
+      }
+      const vec3 albedo(s.albedo[0][q], s.albedo[1][q], s.albedo[2][q]);
+      clean.set_rgb(x, y, glm::max(sum / total, 0.0f) * albedo + film.features->seen.rgb(x, y));
+    }
+  });
+  keep_what_is_certain(film, clean);
+  return clean;
+}
+
+}  // namespace candela::denoise
