@@ -447,8 +447,8 @@ void GltfBuffers::charge(std::uint64_t bytes, const JsonView& cause) {
 }
 
 std::span<const std::byte> GltfBuffers::unpacked(std::size_t view, const JsonView& extension, std::uint64_t length) {
-  const auto [found, is_new] = unpacked_.try_emplace(view);
-  if (!is_new) return found->second;
+  if (const auto found = unpacked_.find(view); found != unpacked_.end())
+    return {found->second.get(), static_cast<std::size_t>(length)};
   const MeshoptLayout layout = read_meshopt_layout(extension);
   if (layout.count > length / layout.stride || layout.count * layout.stride != length) {
     throw extension.error(fmt::format("{} elements of {} bytes are not the {} bytes of the buffer view", layout.count,
@@ -457,13 +457,15 @@ std::span<const std::byte> GltfBuffers::unpacked(std::size_t view, const JsonVie
   const std::span<const std::byte> packed = slice(extension);
   if (packed.size() < meshopt_least_bytes(layout)) throw extension.error("the data is too short for its count");
   charge(length, extension);
+  const auto size = static_cast<std::size_t>(length);
+  auto bytes = std::make_unique_for_overwrite<std::byte[]>(size);
   try {
-    found->second = decode_meshopt(packed, layout);
+    decode_meshopt(packed, layout, {bytes.get(), size});
   } catch (const Error& cause) {
     throw extension.error(cause.message());
   }
   loaded_bytes_ += length;
-  return found->second;
+  return {unpacked_.emplace(view, std::move(bytes)).first->second.get(), size};
 }
 
 BufferView GltfBuffers::view(const JsonView& reference) {

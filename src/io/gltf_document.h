@@ -100,8 +100,8 @@ class GltfBuffers {
   bool is_glb_;
   const UriReader& uris_;
   std::vector<std::vector<std::byte>> loaded_;
-  std::map<std::size_t, std::vector<std::byte>> unpacked_;  ///< by buffer view
-  std::map<std::size_t, DracoMesh> draco_;                  ///< likewise
+  std::map<std::size_t, std::unique_ptr<std::byte[]>> unpacked_;  ///< by buffer view
+  std::map<std::size_t, DracoMesh> draco_;                        ///< likewise
   DracoBudget draco_budget_;
   std::uint64_t loaded_bytes_ = 0;
   std::uint64_t unpacked_bytes_ = 0;
