@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/meshopt.h"
@@ -89,5 +92,42 @@ inline const std::vector<Packed> kPacked = {
      "0100020101",
      0x115fd04b1a4b1860},
 };
+
+/// Version 0, every delta a whole byte; blocks as the decoder has them.
+inline std::vector<std::byte> packed_plainly(std::span<const std::byte> elements, std::size_t stride) {
+  const std::size_t count = elements.size() / stride,
+                    block = std::min<std::size_t>((8192 / stride) & ~std::size_t{15}, 256);
+  std::vector<std::byte> out{std::byte{0xA0}};
+  std::vector<std::uint8_t> last(stride);
+  for (std::size_t first = 0; first < count; first += block) {
+    const std::size_t here = std::min(count - first, block), groups = (here + 15) / 16;
+    for (std::size_t k = 0; k < stride; ++k) {
+      out.insert(out.end(), (groups + 3) / 4, std::byte{0xFF});
+      for (std::size_t i = 0; i < groups * 16; ++i) {
+        const std::size_t at = (first + std::min(i, here - 1)) * stride + k;
+        const auto value = static_cast<std::uint8_t>(elements[at]);
+        const auto delta = static_cast<std::int8_t>(value - std::exchange(last[k], value));
+        out.push_back(static_cast<std::byte>(delta * 2 ^ delta >> 7));
+      }
+    }
+  }
+  // The tail: what the first element's deltas start from, here zeros.
+  out.insert(out.end(), std::max<std::size_t>(stride, 32), std::byte{0});
+  return out;
+}
+
+/// Indices one after the other, each from the last of them.
+inline std::vector<std::byte> packed_indices(std::span<const std::uint16_t> indices) {
+  std::vector<std::byte> out{std::byte{0xD1}};
+  int last = 0;
+  for (const std::uint16_t index : indices) {
+    const int delta = index - std::exchange(last, index);
+    auto code = static_cast<std::uint32_t>(delta * 2 ^ delta >> 31) << 1;
+    for (; code > 127; code >>= 7) out.push_back(static_cast<std::byte>((code & 127) | 128));
+    out.push_back(static_cast<std::byte>(code));
+  }
+  out.insert(out.end(), 4, std::byte{0});
+  return out;
+}
 
 }  // namespace candela::io::test

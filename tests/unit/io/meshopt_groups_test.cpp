@@ -8,11 +8,11 @@
 #include <random>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "io/meshopt.h"
+#include "unit/io/meshopt_files.h"
 
 namespace candela::io {
 namespace {
@@ -55,28 +55,6 @@ TEST(unit_io_meshopt_groups, both_ways_to_unpack_give_the_same_bytes_and_errors)
   EXPECT_LT(errors, 8500u);
 }
 
-/// Version 0, every delta a whole byte; blocks as the decoder has them.
-std::vector<std::byte> packed_plainly(std::span<const std::byte> elements, std::size_t stride) {
-  const std::size_t count = elements.size() / stride, block = std::min((8192 / stride) & ~std::size_t{15}, kElements);
-  std::vector<std::byte> out{std::byte{0xA0}};
-  std::vector<std::uint8_t> last(stride);
-  for (std::size_t first = 0; first < count; first += block) {
-    const std::size_t here = std::min(count - first, block), groups = (here + 15) / 16;
-    for (std::size_t k = 0; k < stride; ++k) {
-      out.insert(out.end(), (groups + 3) / 4, std::byte{0xFF});
-      for (std::size_t i = 0; i < groups * 16; ++i) {
-        const std::size_t at = (first + std::min(i, here - 1)) * stride + k;
-        const auto value = static_cast<std::uint8_t>(elements[at]);
-        const auto delta = static_cast<std::int8_t>(value - std::exchange(last[k], value));
-        out.push_back(static_cast<std::byte>(delta * 2 ^ delta >> 7));
-      }
-    }
-  }
-  // The tail: what the first element's deltas start from, here zeros.
-  out.insert(out.end(), std::max<std::size_t>(stride, 32), std::byte{0});
-  return out;
-}
-
 TEST(unit_io_meshopt_groups, elements_of_any_stride_come_back_and_nothing_behind_them_is_touched) {
   std::mt19937 random(11);
   for (std::size_t stride = 4; stride <= 256; stride += 4) {
@@ -85,7 +63,7 @@ TEST(unit_io_meshopt_groups, elements_of_any_stride_come_back_and_nothing_behind
       for (std::byte& b : elements) b = static_cast<std::byte>(random());
       constexpr std::byte kUntouched{0x5A};
       std::vector<std::byte> decoded(elements.size() + 64, kUntouched);
-      decode_meshopt(packed_plainly(elements, stride),
+      decode_meshopt(test::packed_plainly(elements, stride),
                      {MeshoptLayout::Mode::attributes, MeshoptLayout::Filter::none, count, stride},
                      std::span(decoded).first(elements.size()));
       ASSERT_TRUE(std::equal(elements.begin(), elements.end(), decoded.begin())) << stride << ' ' << count;
