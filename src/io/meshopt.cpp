@@ -15,6 +15,12 @@ namespace candela::io {
 
 namespace {
 
+using u8x16 = std::uint8_t __attribute__((vector_size(16)));
+using u16x8 = std::uint16_t __attribute__((vector_size(16)));
+using u16x4 = std::uint16_t __attribute__((vector_size(8)));
+using u32x4 = std::uint32_t __attribute__((vector_size(16)));
+using u64x2 = std::uint64_t __attribute__((vector_size(16)));
+
 constexpr std::size_t kTriangleTail = 16;
 constexpr std::size_t kIndexTail = 4;
 
@@ -28,6 +34,14 @@ class IndexWriter {
     const T narrow = static_cast<T>(index);
     std::memcpy(out_, &narrow, sizeof narrow);
     out_ += sizeof narrow;
+  }
+  void add_four(u32x4 indices) {
+    if constexpr (sizeof(T) == sizeof(std::uint32_t)) {
+      store_bytes(out_, indices);
+    } else {
+      store_bytes(out_, __builtin_convertvector(indices, u16x4));
+    }
+    out_ += 4 * sizeof(T);
   }
 
  private:
@@ -153,27 +167,61 @@ void unpack_triangles(std::span<const std::uint8_t> packed, std::size_t count, I
   decoder.finish();
 }
 
+/// The last index of each of two kinds, which a number's lowest bit tells apart.
+struct LastIndices {
+  std::uint32_t even = 0, odd = 0;
+
+  std::uint32_t next(std::uint32_t number) {
+    std::uint32_t& last = (number & 1u) != 0 ? odd : even;
+    return last += unzigzag(number >> 1);
+  }
+};
+
+u16x8 running_sum(u16x8 v) {
+  const u16x8 zero{};
+  v += __builtin_shufflevector(zero, v, 0, 8, 9, 10, 11, 12, 13, 14);
+  v += __builtin_shufflevector(zero, v, 0, 0, 8, 9, 10, 11, 12, 13);
+  v += __builtin_shufflevector(zero, v, 0, 0, 0, 0, 8, 9, 10, 11);
+  return v;
+}
+
+constexpr std::size_t kAtOnce = 8;
+
+/// Eight at once, of as many numbers below 128, so that their sums are numbers of 16 bits with a sign.
+std::array<u32x4, 2> next_indices(const std::uint8_t* numbers, LastIndices& last) {
+  const u64x2 padded{load_bytes<std::uint64_t>(numbers), 0};
+  const auto bytes = reinterpret_cast<u8x16>(padded);
+  const u8x16 words = __builtin_shufflevector(bytes, u8x16{}, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  const auto v = reinterpret_cast<u16x8>(words);
+  const u16x8 is_odd = 0 - (v & 1), code = v >> 1, delta = (code >> 1) ^ (0 - (code & 1));
+  const u16x8 evens = running_sum(delta & ~is_odd), odds = running_sum(delta & is_odd);
+  const u16x8 sums = (evens & ~is_odd) | (odds & is_odd), signs = 0 - (sums >> 15);
+  const u32x4 even{last.even, last.even, last.even, last.even}, odd{last.odd, last.odd, last.odd, last.odd};
+  const auto indices = [&](u16x8 change, u16x8 odd_ones) {
+    const auto use_odd = reinterpret_cast<u32x4>(odd_ones);
+    return reinterpret_cast<u32x4>(change) + ((even & ~use_odd) | (odd & use_odd));
+  };
+  last.even += static_cast<std::uint32_t>(static_cast<std::int16_t>(evens[7]));
+  last.odd += static_cast<std::uint32_t>(static_cast<std::int16_t>(odds[7]));
+  return {indices(__builtin_shufflevector(sums, signs, 0, 8, 1, 9, 2, 10, 3, 11),
+                  __builtin_shufflevector(is_odd, is_odd, 0, 0, 1, 1, 2, 2, 3, 3)),
+          indices(__builtin_shufflevector(sums, signs, 4, 12, 5, 13, 6, 14, 7, 15),
+                  __builtin_shufflevector(is_odd, is_odd, 4, 4, 5, 5, 6, 6, 7, 7))};
+}
+
 template <class T>
 void unpack_indices(std::span<const std::uint8_t> packed, std::size_t count, IndexWriter<T> out) {
   if (packed.empty() || packed[0] != 0xD1) damaged_meshopt("it has no header of indices");
   if (packed.size() < 1 + kIndexTail) damaged_meshopt("it ends too early");
   MeshoptStream in(packed.data() + 1, packed.data() + packed.size() - kIndexTail);
-  std::uint32_t even = 0, odd = 0;  // the last index of each kind
-  const auto add = [&](std::uint32_t v) {
-    const std::uint32_t delta = unzigzag(v >> 1), is_odd = 0u - (v & 1u);
-    even += delta & ~is_odd;
-    odd += delta & is_odd;
-    out.add((even & ~is_odd) | (odd & is_odd));
-  };
+  LastIndices last;
   for (std::size_t i = 0; i < count;) {
-    constexpr std::size_t kAtOnce = sizeof(std::uint64_t);
     constexpr std::uint64_t kGoOn = 0x8080808080808080;
     if (count - i >= kAtOnce && in.left() >= kAtOnce && (load_bytes<std::uint64_t>(in.peek()) & kGoOn) == 0) {
-      const std::uint8_t* numbers = in.take(kAtOnce);
-      for (std::size_t k = 0; k < kAtOnce; ++k) add(numbers[k]);
+      for (const u32x4 four : next_indices(in.take(kAtOnce), last)) out.add_four(four);
       i += kAtOnce;
     } else {
-      add(in.varint());
+      out.add(last.next(in.varint()));
       ++i;
     }
   }

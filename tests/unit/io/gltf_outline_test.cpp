@@ -101,7 +101,7 @@ Builder meshopt_strip(bool is_damaged) {
                            {"max", {4000 * (kVertices / 2 - 1), 32767, 0}}});
   };
   const int position = words(positions), normal = words(normals);
-  const int view = packed(packed_indices(corners), 3 * kTriangles, 2, "INDICES");
+  const int view = packed(packed_indices(corners, [](std::size_t) { return 0u; }), 3 * kTriangles, 2, "INDICES");
   const int index =
       b.add_accessor({{"bufferView", view}, {"componentType", 5123}, {"count", 3 * kTriangles}, {"type", "SCALAR"}});
   primitive(b) = {{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", index}};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -116,13 +117,15 @@ inline std::vector<std::byte> packed_plainly(std::span<const std::byte> elements
   return out;
 }
 
-/// Indices one after the other, each from the last of them.
-inline std::vector<std::byte> packed_indices(std::span<const std::uint16_t> indices) {
+/// Each index from the last of its kind, of which there are two; `kind(i)` is that of the i-th.
+template <class Kind>
+std::vector<std::byte> packed_indices(std::span<const std::uint16_t> indices, const Kind& kind) {
   std::vector<std::byte> out{std::byte{0xD1}};
-  int last = 0;
-  for (const std::uint16_t index : indices) {
-    const int delta = index - std::exchange(last, index);
-    auto code = static_cast<std::uint32_t>(delta * 2 ^ delta >> 31) << 1;
+  std::array<int, 2> last{};
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const unsigned of = kind(i);
+    const int delta = indices[i] - std::exchange(last[of], indices[i]);
+    auto code = static_cast<std::uint32_t>(delta * 2 ^ delta >> 31) << 1 | of;
     for (; code > 127; code >>= 7) out.push_back(static_cast<std::byte>((code & 127) | 128));
     out.push_back(static_cast<std::byte>(code));
   }

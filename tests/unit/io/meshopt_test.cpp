@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstring>
+#include <random>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +39,34 @@ TEST(unit_io_meshopt, every_codec_and_filter_decodes_as_its_reference_does) {
     ASSERT_EQ(meshopt_fault(p.layout()), "") << p.name;
     EXPECT_LE(meshopt_least_bytes(p.layout()), p.bytes().size()) << p.name;
     EXPECT_EQ(fnv1a(decoded(p.bytes(), p.layout())), p.hash) << p.name;
+  }
+}
+
+TEST(unit_io_meshopt, indices_of_two_kinds_come_back_whether_their_numbers_are_long_or_short) {
+  std::mt19937 random(3);
+  for (std::size_t count = 1; count < 200; ++count) {
+    // Two strands; steps of up to 31 fit in a byte, and runs of them are read eight at a time.
+    std::vector<std::uint16_t> indices(count);
+    std::vector<unsigned> kinds(count);
+    std::array<int, 2> strands{500, 60000};
+    for (std::size_t i = 0; i < count; ++i) {
+      kinds[i] = random() % 2;
+      int& at = strands[kinds[i]];
+      const int most = random() % 20 == 0 ? 5000 : 31;
+      at = std::clamp(at + static_cast<int>(random() % 63) * most / 31 - most, 0, 65535);
+      indices[i] = static_cast<std::uint16_t>(at);
+    }
+    const std::vector<std::byte> packed = test::packed_indices(indices, [&](std::size_t i) { return kinds[i]; });
+    const std::vector<std::byte> narrow = decoded(packed, {Mode::indices, Filter::none, count, 2});
+    const std::vector<std::byte> wide = decoded(packed, {Mode::indices, Filter::none, count, 4});
+    for (std::size_t i = 0; i < count; ++i) {
+      std::uint16_t as_narrow = 0;
+      std::uint32_t as_wide = 0;
+      std::memcpy(&as_narrow, &narrow[2 * i], 2);
+      std::memcpy(&as_wide, &wide[4 * i], 4);
+      ASSERT_EQ(as_narrow, indices[i]) << count << ' ' << i;
+      ASSERT_EQ(as_wide, indices[i]) << count << ' ' << i;
+    }
   }
 }
 
