@@ -5,7 +5,7 @@
 #include <bit>
 
 #if defined(__SSSE3__)
-#include <tmmintrin.h>
+#include <immintrin.h>
 #endif
 
 // KHR_meshopt_compression, appendix A: sixteen deltas of a few bits each, and behind them a whole byte for each whose
@@ -19,7 +19,7 @@ constexpr std::size_t kInHeader = 4;  ///< groups of one byte of it
 
 constexpr std::array<std::array<unsigned, kInHeader>, 3> kBits{{{0, 2, 4, 8}, {0, 1, 2, 4}, {1, 2, 4, 8}}};
 
-/// Unpacks groups by `unpack(number of widths, out)`, but for those where four at once need no look at any delta.
+/// Calls `unpack(width, out)` for each group, but for those of which four at once need no look at any delta.
 template <class Unpack>
 void each_group(MeshoptStream& in, std::size_t count, MeshoptWidths widths, std::uint8_t* out, const Unpack& unpack) {
   const std::size_t groups = (count + kMeshoptGroup - 1) / kMeshoptGroup;
