@@ -131,6 +131,8 @@ def main():
         draco_on_cores(program, hills_of["Draco"], folder)
         model = pathlib.Path(model)
         files = {f"geometry alone, {kind}": file for kind, file in hills_of.items()}
+        (folder / "large.glb").write_bytes(hilly_scene(64, 160))
+        files["four times as much, Draco"] = packed(modules, folder / "large.glb", folder)["Draco"]
         files.update({f"{model.stem}, {kind}": file for kind, file in packed(modules, model, folder).items()})
         files[f"{model.stem}, ETC1S"] = with_basis(modules, model, folder)
         for kind, (wall, cpu) in by_turns({kind: lambda f=file: timed(program, "info", f) for kind, file in files.items()}).items():

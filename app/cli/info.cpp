@@ -231,9 +231,9 @@ Report scene_report(const std::string& name, const io::LoadOptions& chosen) {
   Diagnostics diagnostics;
   io::FileInfo file;
   const bool built_in = name.starts_with("demo:");
-  // Sizes are in the images' headers: a big file answers at once.
+  // Sizes are in the images' headers, counts in the accessors: a big file answers at once.
   io::LoadOptions options = chosen;
-  options.decode_images = options.refuse_unknown_required = false;
+  options.decode_images = options.refuse_unknown_required = options.unpack_geometry = false;
   const std::optional<Scene> scene =
       built_in ? load(name, nullptr, options) : look_into(name, options, diagnostics, file);
 

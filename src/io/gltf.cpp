@@ -27,6 +27,7 @@
 #include "io/gltf_material_reader.h"
 #include "io/gltf_mesh.h"
 #include "io/gltf_nodes.h"
+#include "io/gltf_outline.h"
 #include "io/gltf_pointer.h"
 #include "io/scene_files.h"
 
@@ -189,6 +190,7 @@ class Loader {
  private:
   void collect_meshes();
   void collect_materials(const MovedDocument& moved, Kept* kept);
+  void outline_meshes(MeshReader& reader);
   std::vector<JsonView> draco_views() const;
   void read_meshes_and_images(Kept* kept);
   void lose_image(std::size_t image, const Error& cause);
@@ -212,6 +214,7 @@ class Loader {
   FileScene file_;
   std::optional<Variant> variant_;
   std::map<MeshKey, std::size_t> mesh_of_key_;            ///< ordered, and so are the scene's meshes
+  std::map<std::size_t, Mesh> outlines_;                  ///< of those that are not unpacked
   std::vector<std::optional<std::size_t>> mesh_of_node_;  ///< of the file
   std::map<std::size_t, int> camera_of_file_, light_of_file_, ies_light_of_node_;
   std::map<std::size_t, int> mesh_of_area_light_;
@@ -244,10 +247,29 @@ void Loader::collect_meshes() {
   for (const auto& [node, found] : uses) mesh_of_node_[node] = found->second;
 }
 
-/// References to the Draco data of all meshes that the scene uses.
+/// Finds the meshes whose accessors say as much as unpacking them would; of the boxes of those that are turned, the
+/// scene's would be too large.
+void Loader::outline_meshes(MeshReader& reader) {
+  std::vector<bool> is_exact(mesh_of_key_.size(), true);
+  for (std::size_t i = 0; i < file_.nodes.size(); ++i) {
+    if (!mesh_of_node_[i]) continue;
+    const FileNode& node = file_.nodes[i];
+    const bool is_instanced = root_.at("nodes")[i].extension("EXT_mesh_gpu_instancing").has_value();
+    if (node.skin || is_instanced || !is_along_axes(node.world_from_node)) is_exact[*mesh_of_node_[i]] = false;
+  }
+  for (const auto& [key, index] : mesh_of_key_) {
+    const auto& [mesh, weights, skin] = key;
+    if (!is_exact[index] || !weights.empty()) continue;
+    auto outline = reader.read_outline(root_.at("meshes")[mesh], static_cast<int>(mesh), root_, buffers_);
+    if (outline) outlines_.emplace(index, *std::move(outline));
+  }
+}
+
+/// References to the Draco data of all meshes that the scene uses and that are to be unpacked.
 std::vector<JsonView> Loader::draco_views() const {
   std::vector<JsonView> views;
   for (const auto& entry : mesh_of_key_) {
+    if (outlines_.contains(entry.second)) continue;
     const JsonView primitives = root_.at("meshes")[std::get<0>(entry.first)].at("primitives");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const auto draco = primitives[i].extension("KHR_draco_mesh_compression");
@@ -342,11 +364,16 @@ void Loader::read_meshes_and_images(Kept* kept) {
   std::exception_ptr error;
   std::atomic<std::uint64_t> texels = 0;
   const auto read_meshes = [&] {
-    buffers_.decode_draco(draco_views());
     MeshReader reader(reader_, warnings_, materials_.materials, materials_.material_of_file,
                       materials_.default_material, variant_);
+    if (!options_.unpack_geometry) outline_meshes(reader);
+    buffers_.decode_draco(draco_views());
     std::map<std::size_t, std::vector<mat4>> skins;
-    for (const auto& entry : mesh_of_key_) scene_.meshes.push_back(find_mesh(reader, entry.first, skins, kept));
+    for (const auto& [key, index] : mesh_of_key_) {
+      const auto outline = outlines_.find(index);
+      scene_.meshes.push_back(outline != outlines_.end() ? std::move(outline->second)
+                                                         : find_mesh(reader, key, skins, kept));
+    }
     reader.report_ignored(root_);
   };
   parallel_for(0, image_count + 1, 1, [&](std::size_t begin, std::size_t end) {
@@ -560,7 +587,7 @@ Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* 
                                         kept != nullptr ? &kept->panoramas : nullptr, warnings_);
   place_nodes();
   update_world_transforms(scene_);
-  if (options_.decode_images) validate(scene_);
+  if (options_.decode_images && options_.unpack_geometry) validate(scene_);
   return std::move(scene_);
 }
 

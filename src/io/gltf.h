@@ -30,6 +30,12 @@ struct LoadOptions {
   std::string scene = {};
   /// The unit and the upward axis of an OBJ, an STL or a PLY, which say neither; of any other file it is an Error.
   foreign::Measures measures = {};
+  /// False: a packed mesh (Draco, meshopt) is not unpacked where its accessors say what it holds, but is a box: that
+  /// which they claim it spans, with as many vertices and triangles as they claim, to be counted and measured at once.
+  /// So are meshes that no node turns off the axes, no weight and no skin moves, that have bounds, and whose material
+  /// asks for no tangents that the file has not; all others are read. Damage in what is not unpacked goes unseen, and
+  /// such a scene fails validate().
+  bool unpack_geometry = true;
 };
 
 /// A moment of an animation.

@@ -446,24 +446,39 @@ void GltfBuffers::charge(std::uint64_t bytes, const JsonView& cause) {
   if (unpacked_bytes_ > kMostUnpacked) throw cause.error("the compressed geometry is larger than 4 GiB");
 }
 
-std::span<const std::byte> GltfBuffers::unpacked(std::size_t view, const JsonView& extension, std::uint64_t length) {
-  const auto [found, is_new] = unpacked_.try_emplace(view);
-  if (!is_new) return found->second;
+/// What is packed and how, for a view of `length` bytes.
+std::pair<MeshoptLayout, std::span<const std::byte>> GltfBuffers::packed(const JsonView& extension,
+                                                                         std::uint64_t length) {
   const MeshoptLayout layout = read_meshopt_layout(extension);
   if (layout.count > length / layout.stride || layout.count * layout.stride != length) {
     throw extension.error(fmt::format("{} elements of {} bytes are not the {} bytes of the buffer view", layout.count,
                                       layout.stride, length));
   }
-  const std::span<const std::byte> packed = slice(extension);
-  if (packed.size() < meshopt_least_bytes(layout)) throw extension.error("the data is too short for its count");
+  const std::span<const std::byte> bytes = slice(extension);
+  if (bytes.size() < meshopt_least_bytes(layout)) throw extension.error("the data is too short for its count");
+  return {layout, bytes};
+}
+
+bool GltfBuffers::is_packed(const JsonView& reference) {
+  const JsonView view = root_.at("bufferViews")[reference.index(count_of(root_, "bufferViews"), "buffer view")];
+  const auto meshopt = meshopt_of(view);
+  if (meshopt) packed(*meshopt, view.at("byteLength").whole());
+  return meshopt.has_value();
+}
+
+std::span<const std::byte> GltfBuffers::unpacked(std::size_t view, const JsonView& extension, std::uint64_t length) {
+  const auto size = static_cast<std::size_t>(length);
+  if (const auto found = unpacked_.find(view); found != unpacked_.end()) return {found->second.get(), size};
+  const auto [layout, bytes_in] = packed(extension, length);
   charge(length, extension);
+  auto bytes = std::make_unique_for_overwrite<std::byte[]>(size);
   try {
-    found->second = decode_meshopt(packed, layout);
+    decode_meshopt(bytes_in, layout, {bytes.get(), size});
   } catch (const Error& cause) {
     throw extension.error(cause.message());
   }
   loaded_bytes_ += length;
-  return found->second;
+  return {unpacked_.emplace(view, std::move(bytes)).first->second.get(), size};
 }
 
 BufferView GltfBuffers::view(const JsonView& reference) {
@@ -486,6 +501,15 @@ const DracoMesh& GltfBuffers::draco(const JsonView& reference) {
   return draco_.at(reference.index(count_of(root_, "bufferViews"), "buffer view"));
 }
 
+DracoMesh::Claim GltfBuffers::claim_draco(const JsonView& reference) {
+  const std::span<const std::byte> packed = view(reference).bytes;
+  try {
+    return DracoMesh::claim(packed);
+  } catch (const Error& cause) {
+    throw reference.error(cause.message());
+  }
+}
+
 void GltfBuffers::decode_draco(const std::vector<JsonView>& references) {
   struct Work {
     std::size_t view;
@@ -499,17 +523,11 @@ void GltfBuffers::decode_draco(const std::vector<JsonView>& references) {
   for (const JsonView& reference : references) {
     const std::size_t index = reference.index(count_of(root_, "bufferViews"), "buffer view");
     if (draco_.contains(index) || !seen.insert(index).second) continue;
-    Work work{index, reference, view(reference).bytes};
-    try {
-      // Triangles, and what most vertices have.
-      constexpr std::uint64_t kFaceBytes = 12, kVertexBytes = 48;
-      const DracoMesh::Claim claim = DracoMesh::claim(work.packed);
-      charge(claim.faces * kFaceBytes + claim.vertices * kVertexBytes, reference);
-    } catch (const Error& cause) {
-      if (!cause.where().empty()) throw;
-      throw reference.error(cause.message());
-    }
-    works.push_back(std::move(work));
+    // Triangles, and what most vertices have.
+    constexpr std::uint64_t kFaceBytes = 12, kVertexBytes = 48;
+    const DracoMesh::Claim claim = claim_draco(reference);
+    charge(claim.faces * kFaceBytes + claim.vertices * kVertexBytes, reference);
+    works.push_back({index, reference, view(reference).bytes});
   }
   parallel_for(0, works.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

@@ -8,11 +8,13 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/diagnostics.h"
 #include "io/draco_mesh.h"
 #include "io/json_view.h"
+#include "io/meshopt.h"
 #include "io/scene_files.h"
 
 namespace candela::io {
@@ -77,12 +79,17 @@ class GltfBuffers {
   /// has KHR_meshopt_compression or EXT_meshopt_compression, whatever its fallback says.
   BufferView view(const JsonView& reference);
 
+  /// Whether meshopt packs a view. Throws Error where it does and what is packed is not there, or too short.
+  bool is_packed(const JsonView& reference);
+
   /// The buffer of a view, where it has no uri and is no GLB's binary chunk either: glTF 2.0 §5.10.1 leaves it to
   /// others to say what it holds.
   std::optional<JsonView> find_undefined(const JsonView& reference) const;
 
   /// The Draco mesh in the buffer view that `reference` points at.
   const DracoMesh& draco(const JsonView& reference);
+  /// What the Draco data there says it holds.
+  DracoMesh::Claim claim_draco(const JsonView& reference);
   /// Decodes many of them on all cores, for draco().
   void decode_draco(const std::vector<JsonView>& references);
 
@@ -92,6 +99,7 @@ class GltfBuffers {
  private:
   std::span<const std::byte> buffer(std::size_t index);
   std::span<const std::byte> slice(const JsonView& json);
+  std::pair<MeshoptLayout, std::span<const std::byte>> packed(const JsonView& extension, std::uint64_t length);
   std::span<const std::byte> unpacked(std::size_t view, const JsonView& extension, std::uint64_t length);
   void charge(std::uint64_t bytes, const JsonView& cause);
 
@@ -100,8 +108,8 @@ class GltfBuffers {
   bool is_glb_;
   const UriReader& uris_;
   std::vector<std::vector<std::byte>> loaded_;
-  std::map<std::size_t, std::vector<std::byte>> unpacked_;  ///< by buffer view
-  std::map<std::size_t, DracoMesh> draco_;                  ///< likewise
+  std::map<std::size_t, std::unique_ptr<std::byte[]>> unpacked_;  ///< by buffer view
+  std::map<std::size_t, DracoMesh> draco_;                        ///< likewise
   DracoBudget draco_budget_;
   std::uint64_t loaded_bytes_ = 0;
   std::uint64_t unpacked_bytes_ = 0;

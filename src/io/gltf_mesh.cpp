@@ -7,6 +7,7 @@
 #include <iterator>
 #include <set>
 
+#include "io/gltf_outline.h"
 #include "io/tangents.h"
 
 namespace candela::io {
@@ -356,6 +357,10 @@ std::vector<vec4> MeshReader::read_colors(const JsonView& attributes, std::size_
   return result;
 }
 
+void MeshReader::note_unread_colors(const JsonView& reference) {
+  warnings_.note("COLOR_1 changes no pixel: of vertex colours glTF gives a meaning to COLOR_0 alone", reference);
+}
+
 Primitive MeshReader::read_vertices(const JsonView& attributes, const Accessor& positions, const Selection& selection,
                                     int material) {
   const std::size_t n = positions.count;
@@ -376,7 +381,7 @@ Primitive MeshReader::read_vertices(const JsonView& attributes, const Accessor& 
     warnings_.warn("vertex colours outside 0 to 1 are clamped", attributes.at("COLOR_0"));
   }
   if (const auto reference = attributes.find("COLOR_1")) {
-    warnings_.note("COLOR_1 changes no pixel: of vertex colours glTF gives a meaning to COLOR_0 alone", *reference);
+    note_unread_colors(*reference);
   }
   return result;
 }
@@ -466,13 +471,17 @@ void MeshReader::finish_normals(const JsonView& json, Primitive& primitive) {
   make_flat(primitive);
 }
 
+void MeshReader::warn_of_missing_uvs(const JsonView& json, const Material& material, int uv_set) {
+  warnings_.warn(
+      fmt::format("the material '{}' needs TEXCOORD_{}, which is missing; taken as 0", material.name, uv_set), json);
+}
+
 void MeshReader::fill_missing_uvs(const JsonView& json, Primitive& primitive) {
   const Material& m = materials_[static_cast<std::size_t>(primitive.material)];
   for (const TextureSlot* slot : texture_slots(m)) {
     auto& uvs = primitive.uvs[static_cast<std::size_t>(slot->uv_set)];
     if (!*slot || !uvs.empty()) continue;
-    warnings_.warn(
-        fmt::format("the material '{}' needs TEXCOORD_{}, which is missing; taken as 0", m.name, slot->uv_set), json);
+    warn_of_missing_uvs(json, m, slot->uv_set);
     reader_.charge(primitive.positions.size() * sizeof(vec2), json);
     uvs.assign(primitive.positions.size(), vec2(0));
   }
@@ -493,13 +502,17 @@ void MeshReader::finish_tangents(const JsonView& json, Primitive& primitive) {
   }
 }
 
+int MeshReader::material_of(const JsonView& primitive) const {
+  const auto of_file = material_of_primitive(primitive, material_of_file_.size(), variant_);
+  return of_file ? material_of_file_[*of_file] : default_material_;
+}
+
 std::vector<VertexNeeds> MeshReader::needs(const JsonView& json) const {
   std::vector<VertexNeeds> result;
   const JsonView primitives = json.at("primitives");
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     VertexNeeds& needs = result.emplace_back();
-    const auto of_file = material_of_primitive(primitives[i], material_of_file_.size(), variant_);
-    const int material = of_file ? material_of_file_[*of_file] : default_material_;
+    const int material = material_of(primitives[i]);
     if (material < 0) continue;  // of points and lines, which are not read
     const Material& m = materials_[static_cast<std::size_t>(material)];
     const auto slots = texture_slots(m);
@@ -510,6 +523,42 @@ std::vector<VertexNeeds> MeshReader::needs(const JsonView& json) const {
     if (slot != nullptr) needs.tangent_space = {slot->transform[0], slot->transform[1]};
   }
   return result;
+}
+
+/// Whether MikkTSpace has to say where vertices are split.
+bool MeshReader::makes_tangents(const JsonView& primitive) const {
+  const JsonView attributes = primitive.at("attributes");
+  const TextureSlot* slot = tangent_slot(materials_[static_cast<std::size_t>(material_of(primitive))]);
+  if (slot == nullptr || (attributes.find("TANGENT") && attributes.find("NORMAL"))) return false;
+  return attributes.find(uv_set_name(static_cast<std::size_t>(slot->uv_set)).c_str()).has_value();
+}
+
+std::optional<Mesh> MeshReader::read_outline(const JsonView& json, int file_index, const JsonView& root,
+                                             GltfBuffers& buffers) {
+  const JsonView primitives = json.at("primitives");
+  std::vector<Outline> outlines;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const auto outline = outline_of(root, primitives[i], buffers);
+    if (!outline || makes_tangents(primitives[i])) return std::nullopt;
+    outlines.push_back(*outline);
+  }
+  Mesh mesh;
+  mesh.name = json.string_or("name");
+  mesh.file_index = file_index;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const JsonView attributes = primitives[i].at("attributes");
+    reader_.charge(outlines[i].vertices * sizeof(vec3) + outlines[i].triangles * sizeof(uvec3), primitives[i]);
+    Primitive& primitive = mesh.primitives.emplace_back(make_stand_in(outlines[i]));
+    primitive.material = material_of(primitives[i]);
+    check_coordinates(primitive, attributes.at("POSITION"));
+    const Material& material = materials_[static_cast<std::size_t>(primitive.material)];
+    for (const TextureSlot* slot : texture_slots(material)) {
+      const bool is_missing = *slot && !attributes.find(uv_set_name(static_cast<std::size_t>(slot->uv_set)).c_str());
+      if (is_missing) warn_of_missing_uvs(primitives[i], material, slot->uv_set);
+    }
+    if (const auto second = attributes.find("COLOR_1")) note_unread_colors(*second);
+  }
+  return mesh;
 }
 
 std::optional<Primitive> MeshReader::read_primitive(const JsonView& json, const MeshPose& pose) {
@@ -533,9 +582,7 @@ std::optional<Primitive> MeshReader::read_primitive(const JsonView& json, const 
   const Selection selection =
       used.size() == positions.count ? Selection() : Selection(std::span<const std::uint32_t>(used));
 
-  const auto material = material_of_primitive(json, material_of_file_.size(), variant_);
-  Primitive primitive =
-      read_vertices(attributes, positions, selection, material ? material_of_file_[*material] : default_material_);
+  Primitive primitive = read_vertices(attributes, positions, selection, material_of(json));
   primitive.triangles = std::move(triangles);
 
   // Pose.

@@ -68,6 +68,10 @@ class MeshReader {
 
   Mesh read(const JsonView& json, int file_index, const MeshPose& pose);
 
+  /// The mesh as its accessors describe it, of stand-ins; empty where only unpacking it would show all that is counted
+  /// or measured. Tangents that are to be made are such a thing: they split vertices.
+  std::optional<Mesh> read_outline(const JsonView& json, int file_index, const JsonView& root, GltfBuffers& buffers);
+
   /// Of the materials of each primitive of a mesh.
   std::vector<VertexNeeds> needs(const JsonView& json) const;
 
@@ -92,6 +96,10 @@ class MeshReader {
   void finish_normals(const JsonView& json, Primitive& primitive);
   void finish_tangents(const JsonView& json, Primitive& primitive);
   void fill_missing_uvs(const JsonView& json, Primitive& primitive);
+  void warn_of_missing_uvs(const JsonView& json, const Material& material, int uv_set);
+  void note_unread_colors(const JsonView& reference);
+  int material_of(const JsonView& primitive) const;
+  bool makes_tangents(const JsonView& primitive) const;
 
   AccessorReader& reader_;
   Warnings& warnings_;

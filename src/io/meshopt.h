@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
-#include <vector>
 
 namespace candela::io {
 
@@ -25,9 +24,9 @@ std::string_view meshopt_fault(const MeshoptLayout& layout);
 /// Least bytes that so many elements can be packed in: what claims more elements is refused before memory is asked for.
 std::uint64_t meshopt_least_bytes(const MeshoptLayout& layout);
 
-/// Decodes a packed buffer view to count × stride bytes, filter included: bitstreams 0xa0 and 0xa1 of attributes, 0xe1
-/// of triangles, 0xd1 of indices (KHR_meshopt_compression, appendices A and B, January 2026). `layout` has no fault.
-/// Throws Error (without a place) where the stream is damaged; reads nothing outside it.
-std::vector<std::byte> decode_meshopt(std::span<const std::byte> packed, const MeshoptLayout& layout);
+/// Decodes a packed buffer view, filter included, to `decoded` of count × stride bytes: bitstreams 0xa0 and 0xa1 of
+/// attributes, 0xe1 of triangles, 0xd1 of indices (KHR_meshopt_compression, appendices A and B, January 2026). `layout`
+/// has no fault. Throws Error (without a place) where the stream is damaged; reads nothing outside it.
+void decode_meshopt(std::span<const std::byte> packed, const MeshoptLayout& layout, std::span<std::byte> decoded);
 
 }  // namespace candela::io

@@ -1,154 +1,153 @@
 #include "io/meshopt_filters.h"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 
-// KHR_meshopt_compression, appendix B.
+#include "io/meshopt_groups.h"
+
+// KHR_meshopt_compression, appendix B. Loops run over columns, without a branch, so that a processor's vectors fill.
 
 namespace candela::io {
 
 namespace {
 
-/// As many elements as are worked on at once: one component after the other, so that a processor's vectors fill.
-constexpr std::size_t kBatch = 256;
-template <class N>
-using Column = std::array<N, kBatch>;
+/// Elements of a block, where each has four or eight bytes.
+constexpr std::size_t kElements = 256;
 
-/// Calls f with kBatch elements at a time, four components each, and writes what it leaves in them.
-template <class T, class F>
-void each_batch(std::size_t count, std::uint8_t* data, const F& f) {
-  std::array<T, 4 * kBatch> elements{};
-  std::array<Column<int>, 4> v;
-  for (std::size_t first = 0; first < count; first += kBatch) {
-    std::uint8_t* here = data + first * 4 * sizeof(T);
-    const std::size_t bytes = std::min(count - first, kBatch) * 4 * sizeof(T);
-    std::memcpy(elements.data(), here, bytes);
-    for (std::size_t i = 0; i < kBatch; ++i) {
-      // NOLINTNEXTLINE(bugprone-signed-char-misuse): bytes here are numbers with a sign
-      for (std::size_t k = 0; k < 4; ++k) v[k][i] = static_cast<int>(elements[4 * i + k]);
-    }
-    f(v);
-    for (std::size_t i = 0; i < kBatch; ++i) {
-      for (std::size_t k = 0; k < 4; ++k) elements[4 * i + k] = static_cast<T>(v[k][i]);
-    }
-    std::memcpy(here, elements.data(), bytes);
+/// Four components of `bits` bits.
+struct Four {
+  std::uint32_t x, y, z, w;
+};
+
+template <int bits>
+Four get(const std::uint32_t* columns, std::size_t i) {
+  const std::uint32_t v = columns[i];
+  if constexpr (bits == 8) return {v & 0xFF, v >> 8 & 0xFF, v >> 16 & 0xFF, v >> 24};
+  const std::uint32_t v2 = columns[kElements + i];
+  return {v & 0xFFFF, v >> 16, v2 & 0xFFFF, v2 >> 16};
+}
+
+template <int bits>
+void set(std::uint32_t* columns, std::size_t i, Four f) {
+  if constexpr (bits == 8) {
+    columns[i] = (f.x & 0xFF) | (f.y & 0xFF) << 8 | (f.z & 0xFF) << 16 | f.w << 24;
+  } else {
+    columns[i] = (f.x & 0xFFFF) | f.y << 16;
+    columns[kElements + i] = (f.z & 0xFFFF) | f.w << 16;
   }
 }
 
+template <int bits>
+int with_sign(std::uint32_t v) {
+  return static_cast<int>(v << (32 - bits)) >> (32 - bits);
+}
+
 /// Nearest integer, halves away from zero, of numbers far smaller than those of an int.
-int rounded(float x) { return static_cast<int>(x + std::copysign(0.5f, x)); }
+std::uint32_t rounded(float x) { return static_cast<std::uint32_t>(static_cast<int>(x + std::copysign(0.5f, x))); }
 
 /// Unit vectors on the octahedron: x, y and 1.0 as integers of as many bits.
-template <class T>
-void decode_octahedral(std::array<Column<int>, 4>& v) {
-  constexpr float kMost = std::numeric_limits<T>::max();
-  for (std::size_t i = 0; i < kBatch; ++i) {
-    const float one = v[2][i] == 0 ? 1.0f : static_cast<float>(v[2][i]);
-    float x = static_cast<float>(v[0][i]) / one, y = static_cast<float>(v[1][i]) / one;
+template <int bits>
+void decode_octahedral(std::uint32_t* columns) {
+  constexpr float kMost = (1 << (bits - 1)) - 1;
+  for (std::size_t i = 0; i < kElements; ++i) {
+    const Four v = get<bits>(columns, i);
+    const int given = with_sign<bits>(v.z);
+    const float one = given == 0 ? 1.0f : static_cast<float>(given);
+    float x = static_cast<float>(with_sign<bits>(v.x)) / one, y = static_cast<float>(with_sign<bits>(v.y)) / one;
     const float z = 1.0f - std::fabs(x) - std::fabs(y);
     const float fold = z < 0.0f ? z : 0.0f;  // of the lower half
     x -= std::copysign(fold, x);
     y -= std::copysign(fold, y);
     const float scale = kMost / std::sqrt(x * x + y * y + z * z);
-    v[0][i] = rounded(x * scale);
-    v[1][i] = rounded(y * scale);
-    v[2][i] = rounded(z * scale);
+    set<bits>(columns, i, {rounded(x * scale), rounded(y * scale), rounded(z * scale), v.w});
   }
 }
 
 /// Three components of unit quaternions and which one, the largest, is left out.
-void decode_quaternion(std::array<Column<int>, 4>& v) {
+void decode_quaternion(std::uint32_t* columns) {
   constexpr float kMost = std::numeric_limits<std::int16_t>::max();
-  for (std::size_t i = 0; i < kBatch; ++i) {
-    const float scale = 1.0f / (std::numbers::sqrt2_v<float> * static_cast<float>(v[3][i] | 3));
-    const float x = static_cast<float>(v[0][i]) * scale, y = static_cast<float>(v[1][i]) * scale;
-    const float z = static_cast<float>(v[2][i]) * scale;
+  for (std::size_t i = 0; i < kElements; ++i) {
+    const Four v = get<16>(columns, i);
+    const int bits_of_one = with_sign<16>(v.w) | 3;
+    const float scale = 1.0f / (std::numbers::sqrt2_v<float> * static_cast<float>(bits_of_one));
+    const float x = static_cast<float>(with_sign<16>(v.x)) * scale;
+    const float y = static_cast<float>(with_sign<16>(v.y)) * scale;
+    const float z = static_cast<float>(with_sign<16>(v.z)) * scale;
     const float square = 1.0f - x * x - y * y - z * z;
     const float w = std::sqrt(square > 0.0f ? square : 0.0f);
     const auto to_word = [](float f) {
-      const int word = rounded(f * kMost);
-      return word < -32767 ? -32767 : word > 32767 ? 32767 : word;
+      const auto word = static_cast<int>(rounded(f * kMost));
+      return static_cast<std::uint32_t>(word < -32767 ? -32767 : word > 32767 ? 32767 : word) & 0xFFFF;
     };
-    const int first = to_word(x), second = to_word(y), third = to_word(z), left_out = to_word(w);
-    const int largest = v[3][i] & 3;
-    for (int k = 0; k < 4; ++k) {
-      const int place = (k - largest) & 3;  // after the one left out
-      v[static_cast<std::size_t>(k)][i] = place == 0 ? left_out : place == 1 ? first : place == 2 ? second : third;
-    }
+    // The one left out, then those after it, turned to where they belong.
+    const std::uint32_t a = to_word(w) | to_word(x) << 16, b = to_word(y) | to_word(z) << 16;
+    const std::uint32_t a1 = a << 16 | b >> 16, b1 = b << 16 | a >> 16;
+    const bool is_odd = (v.w & 1) != 0, is_beyond = (v.w & 2) != 0;
+    const std::uint32_t a2 = is_odd ? a1 : a, b2 = is_odd ? b1 : b;
+    columns[i] = is_beyond ? b2 : a2;
+    columns[kElements + i] = is_beyond ? a2 : b2;
   }
 }
 
 /// Floats as a mantissa of 24 bits below an exponent of 8.
-void decode_exponential(std::size_t count, std::uint8_t* data) {
-  Column<std::uint32_t> words{};
-  for (std::size_t first = 0; first < count; first += kBatch) {
-    std::uint8_t* here = data + first * sizeof(std::uint32_t);
-    const std::size_t bytes = std::min(count - first, kBatch) * sizeof(std::uint32_t);
-    std::memcpy(words.data(), here, bytes);
-    for (std::uint32_t& word : words) {
-      const std::int32_t most = static_cast<std::int32_t>(word) >> 24;
-      const std::int32_t exponent = most < -100 ? -100 : most > 100 ? 100 : most;
-      const std::int32_t mantissa = static_cast<std::int32_t>(word << 8) >> 8;
-      const auto power = std::bit_cast<float>(static_cast<std::uint32_t>(exponent + 127) << 23);
-      word = std::bit_cast<std::uint32_t>(power * static_cast<float>(mantissa));
-    }
-    std::memcpy(here, words.data(), bytes);
+void decode_exponential(std::span<std::uint32_t, kMeshoptGroup> words) {
+  for (std::uint32_t& word : words) {
+    const std::int32_t most = static_cast<std::int32_t>(word) >> 24;
+    const std::int32_t exponent = most < -100 ? -100 : most > 100 ? 100 : most;
+    const std::int32_t mantissa = static_cast<std::int32_t>(word << 8) >> 8;
+    const auto power = std::bit_cast<float>(static_cast<std::uint32_t>(exponent + 127) << 23);
+    word = std::bit_cast<std::uint32_t>(power * static_cast<float>(mantissa));
   }
 }
 
 /// Luma, two differences of colour, and alpha below a bit that says how many bits each has.
-template <class T>
-void decode_color(std::array<Column<int>, 4>& v) {
-  using Signed = std::make_signed_t<T>;
-  constexpr float kMost = std::numeric_limits<T>::max();
-  for (std::size_t i = 0; i < kBatch; ++i) {
-    int most = v[3][i];
+template <int bits>
+void decode_color(std::uint32_t* columns) {
+  constexpr float kMost = (1 << bits) - 1;
+  for (std::size_t i = 0; i < kElements; ++i) {
+    const Four v = get<bits>(columns, i);
+    const auto alpha = static_cast<int>(v.w);
+    int most = alpha;
     most |= most >> 1;
     most |= most >> 2;
     most |= most >> 4;
     most |= most >> 8;
-    // NOLINTNEXTLINE(bugprone-signed-char-misuse): bytes here are numbers with a sign
-    const int y = v[0][i], co = static_cast<Signed>(v[1][i]), cg = static_cast<Signed>(v[2][i]);
-    int a = v[3][i] & (most >> 1);
+    const int y = static_cast<int>(v.x), co = with_sign<bits>(v.y), cg = with_sign<bits>(v.z);
+    int a = alpha & (most >> 1);
     a = a << 1 | (a & 1);
     const float scale = kMost / static_cast<float>(most < 1 ? 1 : most);
     const auto to_unit = [&](int c) {
       const float unit = static_cast<float>(c) * scale + 0.5f;
-      return static_cast<int>(unit < 0.0f ? 0.0f : unit > kMost ? kMost : unit);
+      return static_cast<std::uint32_t>(static_cast<int>(unit < 0.0f ? 0.0f : unit > kMost ? kMost : unit));
     };
-    v[0][i] = to_unit(y + co - cg);
-    v[1][i] = to_unit(y + cg);
-    v[2][i] = to_unit(y - co - cg);
-    v[3][i] = to_unit(a);
+    set<bits>(columns, i, {to_unit(y + co - cg), to_unit(y + cg), to_unit(y - co - cg), to_unit(a)});
   }
 }
 
 }  // namespace
 
-void apply_meshopt_filter(const MeshoptLayout& l, std::uint8_t* data) {
+void apply_meshopt_filter(const MeshoptLayout& l, std::span<std::uint32_t> columns) {
   using Filter = MeshoptLayout::Filter;
   const bool is_byte = l.stride == 4;
   switch (l.filter) {
     case Filter::none:
       break;
     case Filter::octahedral:
-      if (is_byte) each_batch<std::int8_t>(l.count, data, decode_octahedral<std::int8_t>);
-      if (!is_byte) each_batch<std::int16_t>(l.count, data, decode_octahedral<std::int16_t>);
+      is_byte ? decode_octahedral<8>(columns.data()) : decode_octahedral<16>(columns.data());
       break;
     case Filter::quaternion:
-      each_batch<std::int16_t>(l.count, data, decode_quaternion);
+      decode_quaternion(columns.data());
       break;
     case Filter::exponential:
-      decode_exponential(l.count * (l.stride / 4), data);
+      for (; !columns.empty(); columns = columns.subspan(kMeshoptGroup)) {
+        decode_exponential(columns.first<kMeshoptGroup>());
+      }
       break;
     case Filter::color:
-      if (is_byte) each_batch<std::uint8_t>(l.count, data, decode_color<std::uint8_t>);
-      if (!is_byte) each_batch<std::uint16_t>(l.count, data, decode_color<std::uint16_t>);
+      is_byte ? decode_color<8>(columns.data()) : decode_color<16>(columns.data());
       break;
   }
 }

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """`candela info`: what it says about scenes and images, for readers and for machines."""
 
+import base64
 import json
 import math
 import re
@@ -28,6 +29,66 @@ def ktx2_cube(levels):
     head = b"\xabKTX 20\xbb\r\n\x1a\n" + struct.pack("<9I", 109, 4, size, size, 0, 0, 6, len(levels), 0)
     head += struct.pack("<4I2Q", 0, 0, 80 + 24 * len(levels), len(pairs), 0, 0)
     return head + b"".join(index[number] for number in range(len(levels))) + pairs + data
+
+
+def meshopt_attributes(data, stride):
+    """One block of up to 256 elements, version 0, every delta a whole byte."""
+    count = len(data) // stride
+    groups = (count + 15) // 16
+    out = b"\xa0"
+    for k in range(stride):
+        column = list(data[k::stride])
+        column += column[-1:] * (16 * groups - count)
+        deltas = [(now - before) % 256 for before, now in zip([0] + column, column)]
+        out += b"\xff" * ((groups + 3) // 4) + bytes((2 * d if d < 128 else 511 - 2 * d) for d in deltas)
+    return out + bytes(max(stride, 32))
+
+
+def meshopt_indices(indices):
+    """Each below 32 from the last, which one byte says."""
+    deltas = [now - before for before, now in zip([0] + indices, indices)]
+    return b"\xd1" + bytes(2 * (2 * d if d >= 0 else -2 * d - 1) for d in deltas) + bytes(4)
+
+
+def grid_gltf(is_packed):
+    """A square of four times four squares; packed or plain."""
+    side = 5
+    positions = [c for y in range(side) for x in range(side) for c in (x, y, 0.25 * (x * y % 3))]
+    corners = []
+    for y in range(side - 1):
+        for x in range(side - 1):
+            i = y * side + x
+            corners += [i, i + 1, i + side, i + side, i + 1, i + side + 1]
+    numbers = struct.pack(f"<{3 * side * side}f", *positions)
+    normals = struct.pack("<3f", 0, 0, 1) * (side * side)
+    plain = [(numbers, 12, "ATTRIBUTES"), (normals, 12, "ATTRIBUTES"), (struct.pack(f"<{len(corners)}H", *corners), 2, "INDICES")]
+    data, views = b"", []
+    for raw, stride, mode in plain:
+        count = len(raw) // stride
+        stored = raw if not is_packed else meshopt_indices(corners) if mode == "INDICES" else meshopt_attributes(raw, stride)
+        place = {"buffer": 0, "byteOffset": len(data), "byteLength": len(stored)}
+        packing = {**place, "byteStride": stride, "count": count, "mode": mode}
+        views.append({"buffer": 1, "byteLength": len(raw), "extensions": {"EXT_meshopt_compression": packing}} if is_packed else place)
+        data += stored + bytes(-len(stored) % 4)
+    bounds = {"min": [0, 0, 0], "max": [4, 4, 0.5]}
+    accessors = [
+        {"bufferView": 0, "componentType": 5126, "count": side * side, "type": "VEC3", **bounds},
+        {"bufferView": 1, "componentType": 5126, "count": side * side, "type": "VEC3"},
+        {"bufferView": 2, "componentType": 5123, "count": len(corners), "type": "SCALAR"},
+    ]
+    buffers = [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]
+    if is_packed:
+        buffers.append({"byteLength": sum(len(raw) for raw, _, _ in plain), "extensions": {"EXT_meshopt_compression": {"fallback": True}}})
+    return {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "translation": [1, 2, 3]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2}]}],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": buffers,
+        **({"extensionsUsed": ["EXT_meshopt_compression"], "extensionsRequired": ["EXT_meshopt_compression"]} if is_packed else {}),
+    }
 
 
 class Info(CliTest):
@@ -140,6 +201,31 @@ class Info(CliTest):
         info = self.json_of(big)
         self.assertLess(time.perf_counter() - start, 1.0)  # 0.1 s is the aim; decoding its images takes longer than 1 s
         self.assertGreater(info["triangles"], 10000)
+
+    def test_packed_geometry_is_told_of_as_if_it_were_not(self):
+        told = []
+        for is_packed in (False, True):
+            (self.folder / "a.gltf").write_text(json.dumps(grid_gltf(is_packed)))
+            info = self.json_of("a.gltf")
+            told.append({key: value for key, value in info.items() if key not in ("bytes", "extensions")})
+        self.assertEqual(*told)
+        self.assertEqual((told[0]["vertices"], told[0]["triangles"]), (25, 32))
+        self.assertEqual(told[0]["bounds"], {"lower": [1, 2, 3], "upper": [5, 6, 3.5]})
+
+    def test_damage_in_packed_geometry_is_an_error_for_those_who_need_it(self):
+        scene = grid_gltf(True)
+        head, data = scene["buffers"][0]["uri"].split(",")
+        broken = bytearray(base64.b64decode(data))
+        broken[0] = 0
+        scene["buffers"][0]["uri"] = head + "," + base64.b64encode(broken).decode()
+        (self.folder / "a.gltf").write_text(json.dumps(scene))
+        self.fails("render", "a.gltf", *TINY, "-o", "a.png", says="a.gltf.*damaged meshopt data")
+        self.assertRegex(self.fails("check", "a.gltf", says="cannot be read").out, "a.gltf.*damaged meshopt data")
+        self.assertEqual(self.json_of("a.gltf")["triangles"], 32)
+        # Without bounds it has to look.
+        del scene["accessors"][0]["min"]
+        (self.folder / "a.gltf").write_text(json.dumps(scene))
+        self.fails("info", "a.gltf", says="a.gltf.*damaged meshopt data")
 
     def test_extensions_and_animations(self):
         scene = {

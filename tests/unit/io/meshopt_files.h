@@ -1,8 +1,12 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/meshopt.h"
@@ -89,5 +93,44 @@ inline const std::vector<Packed> kPacked = {
      "0100020101",
      0x115fd04b1a4b1860},
 };
+
+/// Version 0, every delta a whole byte; blocks as the decoder has them.
+inline std::vector<std::byte> packed_plainly(std::span<const std::byte> elements, std::size_t stride) {
+  const std::size_t count = elements.size() / stride,
+                    block = std::min<std::size_t>((8192 / stride) & ~std::size_t{15}, 256);
+  std::vector<std::byte> out{std::byte{0xA0}};
+  std::vector<std::uint8_t> last(stride);
+  for (std::size_t first = 0; first < count; first += block) {
+    const std::size_t here = std::min(count - first, block), groups = (here + 15) / 16;
+    for (std::size_t k = 0; k < stride; ++k) {
+      out.insert(out.end(), (groups + 3) / 4, std::byte{0xFF});
+      for (std::size_t i = 0; i < groups * 16; ++i) {
+        const std::size_t at = (first + std::min(i, here - 1)) * stride + k;
+        const auto value = static_cast<std::uint8_t>(elements[at]);
+        const auto delta = static_cast<std::int8_t>(value - std::exchange(last[k], value));
+        out.push_back(static_cast<std::byte>(delta * 2 ^ delta >> 7));
+      }
+    }
+  }
+  // The tail: what the first element's deltas start from, here zeros.
+  out.insert(out.end(), std::max<std::size_t>(stride, 32), std::byte{0});
+  return out;
+}
+
+/// Each index from the last of its kind, of which there are two; `kind(i)` is that of the i-th.
+template <class Kind>
+std::vector<std::byte> packed_indices(std::span<const std::uint16_t> indices, const Kind& kind) {
+  std::vector<std::byte> out{std::byte{0xD1}};
+  std::array<int, 2> last{};
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const unsigned of = kind(i);
+    const int delta = indices[i] - std::exchange(last[of], indices[i]);
+    auto code = static_cast<std::uint32_t>(delta * 2 ^ delta >> 31) << 1 | of;
+    for (; code > 127; code >>= 7) out.push_back(static_cast<std::byte>((code & 127) | 128));
+    out.push_back(static_cast<std::byte>(code));
+  }
+  out.insert(out.end(), 4, std::byte{0});
+  return out;
+}
 
 }  // namespace candela::io::test
