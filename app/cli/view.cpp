@@ -10,6 +10,7 @@
 
 #include "base/diagnostics.h"
 #include "base/error.h"
+#include "candela/cache.h"
 #include "candela/candela.h"
 #include "cli/option.h"
 #include "cli/output.h"
@@ -92,7 +93,7 @@ raster::Settings settings_of(const ViewOptions& o) {
   settings.width = o.size.x;
   settings.height = o.size.y;
   settings.shader_folder = o.shader_folder;
-  settings.cache = raster::default_cache();
+  settings.cache = cache_folder();
   return settings;
 }
 
