@@ -36,22 +36,22 @@ class Variable {
   bool was_set_ = false;
 };
 
-TEST(CacheFolder, is_where_the_environment_says_caches_are) {
+TEST(unit_candela_cache, is_where_the_environment_says_caches_are) {
   const Variable home("HOME", "/home/anna"), xdg("XDG_CACHE_HOME", "/var/cache/anna");
   EXPECT_EQ(cache_folder(), "/var/cache/anna/candela");
 }
 
-TEST(CacheFolder, is_below_home_without_one) {
+TEST(unit_candela_cache, is_below_home_without_one) {
   const Variable home("HOME", "/home/anna"), xdg("XDG_CACHE_HOME", nullptr);
   EXPECT_EQ(cache_folder(), "/home/anna/.cache/candela");
 }
 
-TEST(CacheFolder, a_place_relative_to_wherever_one_is_does_not_count) {
+TEST(unit_candela_cache, a_place_relative_to_wherever_one_is_does_not_count) {
   const Variable home("HOME", "/home/anna"), xdg("XDG_CACHE_HOME", "cache");
   EXPECT_EQ(cache_folder(), "/home/anna/.cache/candela");
 }
 
-TEST(CacheFolder, is_nowhere_without_a_home) {
+TEST(unit_candela_cache, is_nowhere_without_a_home) {
   const Variable home("HOME", nullptr), xdg("XDG_CACHE_HOME", nullptr);
   EXPECT_TRUE(cache_folder().empty());
 }
