@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -95,10 +96,11 @@ TEST_F(unit_gl_program, outputs_of_the_vertex_shader_can_be_captured) {
                                 "out float twice;\nout float square;\nvoid main() { float i = float(gl_VertexID); "
                                 "twice = 2.0 * i; square = i * i; gl_Position = vec4(0.0); }\n",
                             kFragment, {"twice", "square"});
-  constexpr GLsizei kCount = 4;
+  constexpr std::size_t kCount = 4;
+  constexpr auto kBytes = static_cast<GLsizeiptr>(2 * kCount * sizeof(float));
   const gl::Buffer buffer;
   glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer);
-  glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, 2 * kCount * sizeof(float), nullptr, GL_STATIC_READ);
+  glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, kBytes, nullptr, GL_STATIC_READ);
   // Nothing is drawn, but without a window there is nothing to draw into.
   const gl::Renderbuffer color;
   glBindRenderbuffer(GL_RENDERBUFFER, color);
@@ -108,13 +110,13 @@ TEST_F(unit_gl_program, outputs_of_the_vertex_shader_can_be_captured) {
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
   glEnable(GL_RASTERIZER_DISCARD);
   glBeginTransformFeedback(GL_POINTS);
-  glDrawArrays(GL_POINTS, 0, kCount);
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(kCount));
   glEndTransformFeedback();
   gl::check("capturing");
-  const auto* found = static_cast<const float*>(
-      glMapBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 2 * kCount * sizeof(float), GL_MAP_READ_BIT));
+  const auto* found =
+      static_cast<const float*>(glMapBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, kBytes, GL_MAP_READ_BIT));
   ASSERT_NE(found, nullptr);
-  for (int i = 0; i < kCount; ++i) {
+  for (std::size_t i = 0; i < kCount; ++i) {
     EXPECT_EQ(found[2 * i], 2.0f * static_cast<float>(i));
     EXPECT_EQ(found[2 * i + 1], static_cast<float>(i * i));
   }

@@ -29,7 +29,7 @@ TEST(unit_raster_mips, every_code_that_is_alike_stays_as_it_is) {
 }
 
 TEST(unit_raster_mips, sides_are_rounded_down_to_one) {
-  Bytes strip(3 * 4);
+  Bytes strip(12);
   for (std::size_t i = 0; i < strip.size(); ++i) strip[i] = static_cast<std::uint8_t>(10 * (i / 4));
   for (const bool is_wide : {true, false}) {
     const MipLevel half = halved(strip.data(), is_wide ? 3 : 1, is_wide ? 1 : 3, false);

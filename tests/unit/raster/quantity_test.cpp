@@ -15,6 +15,7 @@ namespace {
 
 std::vector<Quantity> quantities() {
   std::vector<Quantity> all;
+  all.reserve(kQuantityCount);
   for (int i = 0; i < kQuantityCount; ++i) all.push_back(static_cast<Quantity>(i));
   return all;
 }
