@@ -76,6 +76,7 @@ std::string list_text() {
 }
 
 void run_figures(const FigureOptions& o) {
+  path::check_built();
   const auto start = std::chrono::steady_clock::now();
   const fs::path folder = o.output;
   std::error_code code;

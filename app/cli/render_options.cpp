@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "candela/cache.h"
 #include "cli/option.h"
 #include "cli/output.h"
 #include "cli/values.h"
@@ -387,7 +388,7 @@ void finish_options(const Command& command, RenderOptions& o) {
   const bool open_ended = o.shot.traced.time_limit_s || o.shot.traced.noise;
   o.shot.traced.samples = o.samples.value_or(open_ended ? kOpenEndedSamples : kDefaultSamples);
   o.shot.drawn.frames = o.samples.value_or(default_frames);
-  if (o.keeps_cache) o.shot.drawn.cache = raster::default_cache();
+  if (o.keeps_cache) o.shot.drawn.cache = cache_folder();
   o.shot.background = o.background.kind;
   o.shot.background_color = o.background.color;
   if (command.has("--glass") && o.background.kind == Background::environment) {

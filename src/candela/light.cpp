@@ -39,6 +39,7 @@ Environment adjusted(Environment environment, const LightChoice& choice) {
 }
 
 CubeFaces capture(const LightChoice& choice, int size, const Job& job) {
+  path::check_built();
   auto scene = std::make_shared<const Scene>(load(choice.scene, job.diagnostics, choice.load));
   const bool has_own_light = choice.environment.empty() && scene->image_light.has_value();
   const Environment environment =

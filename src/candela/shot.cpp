@@ -65,6 +65,17 @@ path::Settings traced_settings(const Shot& shot) {
 }
 raster::Settings drawn_settings(const Shot& shot) { return with_picture(shot.drawn, shot); }
 
+namespace {
+
+/// Throws Error where this build is without the engine, before any file is read.
+Shot takeable(Shot shot) {
+  if (shot.engine == Engine::raster) raster::check_built();
+  if (shot.engine == Engine::path || shot.probes > 0) path::check_built();
+  return shot;
+}
+
+}  // namespace
+
 std::uint64_t picture_bytes(const Shot& shot) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(shot.size.x) * static_cast<std::uint64_t>(shot.size.y);
   return shot.engine == Engine::raster
@@ -93,7 +104,7 @@ std::shared_ptr<raster::Device> Stage::device() {
 }
 
 Take::Take(Shot shot, Diagnostics* diagnostics, std::shared_ptr<Stage> stage)
-    : shot_(std::move(shot)),
+    : shot_(takeable(std::move(shot))),
       diagnostics_(diagnostics),
       stage_(stage != nullptr ? std::move(stage) : std::make_shared<Stage>()),
       asset_(shot_.scene, diagnostics, shot_.load) {}

@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 #include "check/check_parts.h"
-#include "path/geometry.h"
+#include "path/texture.h"
 #include "scene/material_table.h"
 #include "scene/metals.h"
 #include "shade/fresnel.glsl.h"
@@ -50,22 +50,24 @@ struct Reading {
 /// A material's textures, as the path tracer reads them.
 class Reader {
  public:
-  Reader(const Scene& scene, const Material& material) : data_(scene, material, shade::shading_model_candela()) {}
+  Reader(const Scene& scene, const Material& material)
+      : factors_(material), textures_(path::texture_readers(scene, material)) {}
 
   Reading at(const SurfaceSample& point) const;
 
  private:
   template <TextureSlot Material::*kSlot>
   vec4 look_up(const SurfaceSample& point) const {
-    const path::TextureReader& texture = data_.texture<kSlot>();
+    const path::TextureReader& texture = textures_[texture_slot_index(kSlot)];
     return texture ? texture.sample(point.uv(texture.uv_set())) : vec4(1.0f);
   }
 
-  path::MaterialData data_;
+  const Material& factors_;
+  std::array<path::TextureReader, kTextureSlots> textures_;  // by the rows of kTextureRows
 };
 
 Reading Reader::at(const SurfaceSample& point) const {
-  const Material& m = data_.factors;
+  const Material& m = factors_;
   const vec4 color = vec4(m.base_color, m.opacity) * point.color() * look_up<&Material::base_color_texture>(point);
   const vec4 metallic_roughness = look_up<&Material::metallic_roughness_texture>(point);
   Reading r;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/parts.h"
 #include "foreign/mixtures.h"
 #ifdef CANDELA_WITH_ASSIMP
 #include "foreign/assimp_reader.h"
@@ -87,7 +88,9 @@ bool is_available() { return false; }
 
 Converted convert(std::span<const std::byte>, Format format, const Surroundings&, const std::string&,
                   const std::string& where, Diagnostics&, const Measures&) {
-  throw Error(fmt::format("{} is not read: this program was built without Assimp", format_name(format)), where);
+  throw Error(
+      fmt::format("{} is not read: {}", format_name(format), absent_part("Assimp", "CANDELA_WITH_ASSIMP").message()),
+      where);
 }
 
 #endif

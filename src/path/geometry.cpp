@@ -244,11 +244,10 @@ Medium make_medium(const Material& m) {
 }  // namespace
 
 MaterialData::MaterialData(const Scene& scene, const Material& material, const shade::ShadingModel& model)
-    : factors(material), params(surface_params(material, model)), medium(make_medium(material)) {
-  for (std::size_t i = 0; i < kTextureSlots; ++i) {
-    const TextureRow& row = kTextureRows[i];
-    textures[i] = TextureReader(scene, material.*row.slot, row.is_srgb() ? Encoding::srgb : Encoding::data);
-  }
+    : factors(material),
+      params(surface_params(material, model)),
+      textures(texture_readers(scene, material)),
+      medium(make_medium(material)) {
   needs_opacity = material.alpha_mode != AlphaMode::opaque;
   is_emissive = max_component(material.emission) > 0.0f && !material.unlit;
   const bool lets_through = (params.lobes & (shade::kLobeTransmission | shade::kLobeDiffuseTransmission)) != 0;

@@ -512,6 +512,8 @@ const char* integrator_name(Integrator integrator) {
   return "full";
 }
 
+void check_built() {}
+
 std::uint64_t picture_bytes(const Settings& settings) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
   const std::uint64_t flags = settings.noise ? 3 : 2;  // who is empty, has converged, and is good in itself

@@ -69,6 +69,9 @@ struct Statistics {
   std::optional<NoiseReached> noise;    ///< where a target was set
 };
 
+/// Throws Error where this build is without the path tracer, as all that traces does.
+void check_built();
+
 /// Most bytes that the picture takes while it is rendered, the film in the caller's hands included; the scene comes to
 /// that.
 std::uint64_t picture_bytes(const Settings& settings);

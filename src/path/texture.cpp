@@ -118,4 +118,13 @@ vec4 TextureReader::read(const Footprint& f) const {
   return top * (1.0f - f.ty) + bottom * f.ty;
 }
 
+std::array<TextureReader, kTextureSlots> texture_readers(const Scene& scene, const Material& material) {
+  std::array<TextureReader, kTextureSlots> readers;
+  for (std::size_t i = 0; i < kTextureSlots; ++i) {
+    const TextureRow& row = kTextureRows[i];
+    readers[i] = TextureReader(scene, material.*row.slot, row.is_srgb() ? Encoding::srgb : Encoding::data);
+  }
+  return readers;
+}
+
 }  // namespace candela::path

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "scene/material_table.h"
 #include "scene/scene.h"
 
 namespace candela::path {
@@ -55,5 +56,8 @@ class TextureReader {
   Filter filter_ = Filter::linear;
   TextureSlot slot_;
 };
+
+/// One for each slot of a material, by the rows of kTextureRows.
+std::array<TextureReader, kTextureSlots> texture_readers(const Scene& scene, const Material& material);
 
 }  // namespace candela::path

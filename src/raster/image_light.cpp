@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,7 +13,6 @@
 #include "ibl/bake.h"
 #include "ibl/cube.h"
 #include "ibl/sh.h"
-#include "image/texel.h"
 #include "image/texture_file.h"
 #include "math/hash.h"
 
@@ -160,16 +157,6 @@ LightKey light_key(const Environment& environment, bool wants_sheen) {
   return "light-" + std::to_string(kFormat) + "-" + text + (wants_sheen ? "-sheen" : "");
 }
 
-std::filesystem::path default_cache() {
-  const auto variable = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::filesystem::path(value == nullptr ? "" : value);
-  };
-  if (const auto xdg = variable("XDG_CACHE_HOME"); xdg.is_absolute()) return xdg / "candela";
-  if (const auto home = variable("HOME"); home.is_absolute()) return home / ".cache" / "candela";
-  return {};
-}
-
 bool uses_sheen(const Scene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(),
                      [](const Material& m) { return max_component(m.sheen_color) > 0.0f && !m.unlit; });
@@ -305,32 +292,6 @@ BakedLight simplified(BakedLight light, Ambient ambient) {
       break;
   }
   return light;
-}
-
-gl::Texture upload_cube(const Cubemap& cube) {
-  gl::Texture texture;
-  glBindTexture(GL_TEXTURE_CUBE_MAP, texture);
-  // Rounded as in the files of a cache, so that a picture does not depend on whether there was one.
-  std::vector<std::uint16_t> rgba;
-  for (std::size_t level = 0; level < cube.levels.size(); ++level) {
-    const int size = cube.size(level);
-    rgba.assign(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * 4, half_from_float(1.0f));
-    for (std::size_t face = 0; face < 6; ++face) {
-      const Image& image = cube.levels[level][face];
-      const auto channels = static_cast<std::size_t>(image.channels);
-      for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
-        for (std::size_t c = 0; c < 3; ++c) rgba[4 * i + c] = half_from_float(image.pixels[channels * i + c]);
-      }
-      glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + static_cast<GLenum>(face), static_cast<GLint>(level), GL_RGBA16F,
-                   size, size, 0, GL_RGBA, GL_HALF_FLOAT, rgba.data());
-    }
-  }
-  glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(cube.levels.size()) - 1);
-  glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_CUBE_MAP, GL_TEXTURE_MIN_FILTER,
-                  cube.levels.size() > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
-  gl::check("uploading the environment");
-  return texture;
 }
 
 }  // namespace candela::raster

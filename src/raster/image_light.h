@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "gl/gl.h"
 #include "image/cubemap.h"
 #include "scene/scene.h"
 
@@ -54,11 +53,5 @@ struct Probe {
   Box3 box;  ///< whose walls the light is taken to come from
   BakedLight light;
 };
-
-/// $XDG_CACHE_HOME/candela, else ~/.cache/candela; empty where neither is known.
-std::filesystem::path default_cache();
-
-/// A cube in a texture of half floats, its levels as they are.
-gl::Texture upload_cube(const Cubemap& cube);
 
 }  // namespace candela::raster

@@ -77,6 +77,13 @@ std::string model_text(const shade::ShadingModel& m) {
          define("MODEL_LITERAL_LAYERS", m.literal_layers ? 1 : 0);
 }
 
+/// The bits of Part.
+std::string parts_text() {
+  return define("kDiffusePart", diffuse_part) + define("kSpecularPart", specular_part) +
+         define("kCoatPart", coat_part) + define("kSheenPart", sheen_part) + define("kThroughPart", through_part) +
+         define("kDirectPart", direct_part) + define("kEmissionPart", emission_part);
+}
+
 /// Where a blended surface is opaque, and where it is none; between them lies what blended passes draw. What is nearly
 /// whole is drawn by both, so that none of it falls between two roundings.
 std::string blend_text() {
@@ -89,7 +96,7 @@ std::string blend_text() {
 std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const shade::ShadingModel& model) {
   std::string text = slots_text(key, key.slots) + channels_text(key.channels) + define("LOBES", key.lobes) +
                      define("kMostLights", kMostLights) + define("kMostShadows", kMostShadows) +
-                     define("kMostAreas", kMostAreas);
+                     define("kMostAreas", kMostAreas) + parts_text();
   const auto add = [&text](bool is_wanted, const std::string& name) {
     if (is_wanted) text += define(name);
   };

@@ -57,6 +57,8 @@ void apply_vignetting(const View& view, Image& image) {
 
 }  // namespace
 
+void check_built() {}
+
 std::uint64_t picture_bytes(const Settings& settings) {
   const auto pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
   // Colour of half floats and depth per sample, two resolved pictures with mips, twelve depths where something is
@@ -157,24 +159,6 @@ void show_false_colors(Image& picture) {
 }
 
 }  // namespace
-
-void add_work(const Statistics& picture, Statistics& all) {
-  all.driver = picture.driver;
-  all.interrupted |= picture.interrupted;
-  all.is_light_cached = picture.is_light_cached;
-  all.open_s += picture.open_s;
-  all.light_s += picture.light_s;
-  all.upload_s += picture.upload_s;
-  all.shadow_s += picture.shadow_s;
-  all.compile_s += picture.compile_s;
-  all.frame_s += picture.frame_s;
-  all.draw_s += picture.draw_s;
-  all.frames += picture.frames;
-  all.programs = picture.programs;
-  all.triangles = picture.triangles;
-  all.draws = picture.draws;
-  all.non_finite_pixels += picture.non_finite_pixels;
-}
 
 struct Device::Parts {
   std::unique_ptr<gl::Context> context;

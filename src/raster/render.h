@@ -67,6 +67,9 @@ struct Statistics {
 /// Adds one picture to several: times and counts are sums, the scene is that of the last.
 void add_work(const Statistics& picture, Statistics& all);
 
+/// Throws Error where this build is without the rasterizer, as all that draws does.
+void check_built();
+
 /// What one frame of a picture shows where things move: the scene that is drawn at another moment, with as many
 /// materials and the IES profiles of that.
 struct Moment {

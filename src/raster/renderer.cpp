@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "raster/body.h"
+#include "raster/cube_texture.h"
 #include "raster/targets.h"
 #include "scene/surface_params.h"
 #include "shade/surface_params.glsl.h"

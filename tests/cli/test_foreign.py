@@ -218,13 +218,6 @@ def png(width, height, texel):
 
 
 class ForeignTest(CliTest):
-    def setUp(self):
-        super().setUp()
-        (self.folder / "known").write_text("solid a\nfacet normal 0 0 1\n")
-        if "without Assimp" in self.run_candela("info", "known").err:
-            self.skipTest("this program was built without Assimp")
-        (self.folder / "known").unlink()
-
     def write(self, name, content):
         path = self.folder / name
         path.parent.mkdir(exist_ok=True)

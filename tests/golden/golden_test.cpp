@@ -11,7 +11,7 @@
 #include "image/image_file.h"
 #include "raster/render.h"
 #include "shade/color.glsl.h"
-#include "unit/raster/gl_fixture.h"
+#include "unit/gl/gl_fixture.h"
 
 // Pictures that somebody looked at, drawn again. After a change that is meant to show,
 //

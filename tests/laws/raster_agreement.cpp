@@ -9,8 +9,8 @@
 #include "raster/packing.h"
 #include "raster/render.h"
 #include "scene/material_table.h"
+#include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"
-#include "unit/raster/gl_fixture.h"
 
 // Both renderers read one material source, so that where both compute the same thing they must show the same thing.
 

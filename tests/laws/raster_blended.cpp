@@ -7,8 +7,8 @@
 
 #include "laws/raster_draw.h"
 #include "raster/render.h"
+#include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"
-#include "unit/raster/gl_fixture.h"
 
 // Surfaces that something shows through, and bodies that the eye is in: the path tracer is right about both.
 

@@ -4,8 +4,8 @@
 
 #include "laws/raster_draw.h"
 #include "raster/render.h"
+#include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"
-#include "unit/raster/gl_fixture.h"
 
 // Glass before a chosen background, as the rasterizer draws it.
 

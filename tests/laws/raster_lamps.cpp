@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "raster/render.h"
+#include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"
-#include "unit/raster/gl_fixture.h"
 
 // What lights a scene: lamps are where the surface glows, however a file packs it.
 

@@ -6,8 +6,8 @@
 
 #include "laws/raster_draw.h"
 #include "raster/render.h"
+#include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"
-#include "unit/raster/gl_fixture.h"
 
 // What moves in a scene, materials and lights as well as nodes, looks at every moment as if nothing ever moved.
 

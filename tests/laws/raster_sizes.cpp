@@ -4,8 +4,8 @@
 
 #include "laws/raster_draw.h"
 #include "raster/render.h"
+#include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"
-#include "unit/raster/gl_fixture.h"
 
 // A picture is of what is near the eye: neither what else there is in the scene, nor where the scene is, nor how large,
 // changes it.

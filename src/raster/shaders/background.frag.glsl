@@ -19,12 +19,15 @@ uniform vec3 sun_radiances[kSuns];
 
 layout(location = 0) out vec4 o_color;
 
+const float kMostHalf = 65504.0;  // of half floats: beyond it a picture would have infinities
+
 #ifdef HAS_PANORAMA
-/// Within 1e-5, a texel's eighth of a panorama of 16384, in fewer operations than a driver's own. Abramowitz & Stegun 1964,
-/// "Handbook of Mathematical Functions", 4.4.47.
+/// Within 1e-5, a texel's eighth of a panorama of 16384, in fewer operations than a driver's own. Abramowitz & Stegun
+/// 1964, "Handbook of Mathematical Functions", 4.4.47.
 float arctangent(float y, float x) {
+  const float kLeast = 1e-30;  // none is divided by
   float ax = abs(x), ay = abs(y);
-  float t = min(ax, ay) / max(max(ax, ay), 1e-30), t2 = t * t;
+  float t = min(ax, ay) / max(max(ax, ay), kLeast), t2 = t * t;
   float angle = t * (0.9998660 + t2 * (-0.3302995 + t2 * (0.1801410 + t2 * (-0.0851330 + t2 * 0.0208351))));
   angle = ay > ax ? 0.5 * kShadePi - angle : angle;
   angle = x < 0.0 ? kShadePi - angle : angle;
@@ -45,5 +48,5 @@ void main() {
     if (dot(toward, sun_directions[i].xyz) >= sun_directions[i].w) color += sun_radiances[i];
   }
 #endif
-  o_color = vec4(min(color, vec3(65504.0)), 1.0);
+  o_color = vec4(min(color, vec3(kMostHalf)), 1.0);
 }

@@ -13,6 +13,9 @@ float fetch_opacity() {
 #endif
 #ifdef IS_SHADOW
 in float v_depth;
+#ifdef BEYOND_LAST_LAYER
+const float kShadowSlack = 4e-7;  // of a depth: some roundings of a float
+#endif
 #include "veil_depth.glsl"
 #endif
 #ifdef BEYOND_LAST_LAYER
@@ -50,7 +53,7 @@ void main() {
 #ifdef BEYOND_LAST_LAYER
   float last = texelFetch(last_layer, ivec2(gl_FragCoord.xy), 0).x;
 #ifdef IS_SHADOW
-  if (depth + 0.02 * slope + 4e-7 * depth >= last) discard;
+  if (depth + kSlopeSlack * slope + kShadowSlack * depth >= last) discard;
 #else
   if (gl_FragCoord.z - layer_slack() <= last) discard;
 #endif

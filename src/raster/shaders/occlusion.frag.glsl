@@ -1,8 +1,9 @@
 #include "shade/shim.glsl.h"
+#include "noise.glsl"
 
-// Ambient occlusion from the depth of the picture: how much of the cosine-weighted hemisphere is open, by the horizons to
-// both sides in a few planes through the line of sight. Jiménez, Wu, Pesce & Jarabo 2016, "Practical Real-Time Strategies
-// for Accurate Indirect Occlusion", §4.
+// Ambient occlusion from the depth of the picture: how much of the cosine-weighted hemisphere is open, by the horizons
+// to both sides in a few planes through the line of sight. Jiménez, Wu, Pesce & Jarabo 2016, "Practical Real-Time
+// Strategies for Accurate Indirect Occlusion", §4.
 
 uniform highp sampler2D depth_map;
 #ifdef HAS_CULLED
@@ -15,6 +16,14 @@ layout(location = 0) out vec4 o_visibility;
 
 const int kPlanes = 2;
 const int kSteps = 5;
+const float kFade = 1.5;            // from a third of the radius on
+const float kHorizonSlack = 0.035;  // two degrees: the roundings of depth and the chords of curved surfaces
+const float kWidest = 0.3;          // of the picture's height: farther steps would step over what is thin
+const float kLeastRadius = 2.0;     // pixels: within fewer there is nothing to see
+const float kStepTurn = 7.0;        // any numbers that spread the steps of a pixel's planes, and of its neighbours
+const float kPlaneTurn = 0.37;
+const float kLeastLength = 1e-9;  // m
+const float kLeastShare = 1e-6;
 
 vec3 position_in(highp sampler2D map, ivec2 pixel, ivec2 size) {
   pixel = clamp(pixel, ivec2(0), size - 1);
@@ -32,9 +41,8 @@ vec3 position_at(ivec2 pixel, ivec2 size) { return position_in(depth_map, pixel,
 float horizon_of(vec3 to, vec3 v, float open) {
   float l = length(to);
   // What is farther off than the radius occludes less and less: it would not be seen from a ray's end either.
-  float near = clamp(1.5 - 1.5 * l / reach.x, 0.0, 1.0);
-  // Two degrees are the roundings of depth and the chords of curved surfaces.
-  return mix(open, dot(to, v) / max(l, 1e-9) - 0.035, near);
+  float near = clamp(kFade - kFade * l / reach.x, 0.0, 1.0);
+  return mix(open, dot(to, v) / max(l, kLeastLength) - kHorizonSlack, near);
 }
 
 void main() {
@@ -54,12 +62,11 @@ void main() {
   if (dot(n, v) < 0.0) n = -n;
 
   float radius = reach.x * reach.y / (reach.w > 0.5 ? -c.z : 1.0);  // pixels
-  radius = min(radius, 0.3 * float(size.y));
-  if (radius < 2.0) return;
+  radius = min(radius, kWidest * float(size.y));
+  if (radius < kLeastRadius) return;
 
-  // Interleaved gradient noise: neighbours see other planes. Jiménez 2014, "Next Generation Post Processing in Call of
-  // Duty: Advanced Warfare".
-  float noise = fract(52.9829189 * fract(dot(vec2(pixel), vec2(0.06711056, 0.00583715))) + reach.z);
+  // Neighbours see other planes.
+  float noise = interleaved_noise(gl_FragCoord.xy, reach.z);
   float sum = 0.0;
   for (int i = 0; i < kPlanes; ++i) {
     float phi = (float(i) + noise) * (kShadePi / float(kPlanes));
@@ -69,7 +76,7 @@ void main() {
     vec3 in_plane = n - axis * dot(n, axis);
     float share = length(in_plane);
     vec3 tangent = d - v * dot(d, v);
-    float cos_n = clamp(dot(in_plane, v) / max(share, 1e-6), -1.0, 1.0);
+    float cos_n = clamp(dot(in_plane, v) / max(share, kLeastShare), -1.0, 1.0);
     float angle_n = (dot(tangent, in_plane) < 0.0 ? -1.0 : 1.0) * acos(cos_n);
     vec2 horizon;
     for (int side = 0; side < 2; ++side) {
@@ -78,7 +85,7 @@ void main() {
       float open = cos(angle_n + sgn * (0.5 * kShadePi));
       float highest = open;
       for (int k = 0; k < kSteps; ++k) {
-        float t = (float(k) + fract(noise * 7.0 + 0.37 * float(i))) / float(kSteps);
+        float t = (float(k) + fract(noise * kStepTurn + kPlaneTurn * float(i))) / float(kSteps);
         vec2 offset = direction * (sgn * max(t * t * radius, float(k) + 1.0));
         ivec2 there = pixel + ivec2(round(offset));
         highest = max(highest, horizon_of(position_at(there, size) - c, v, open));

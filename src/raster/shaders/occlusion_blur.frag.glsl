@@ -7,6 +7,10 @@ uniform float is_perspective;
 
 layout(location = 0) out vec4 o_visibility;
 
+const float kDepthsApart = 40.0;  // texels whose distance differs by a fortieth are of another surface
+const float kLeastDepth = 1e-6;
+const float kLeastWeight = 1e-6;
+
 void main() {
   ivec2 size = textureSize(depth_map, 0);
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -24,10 +28,11 @@ void main() {
     for (int x = -2; x < 2; ++x) {
       ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), size - 1);
       // Depths near 1 differ little: over what is left to 1 they tell metres.
-      float w = max(1.0 - 40.0 * abs(texelFetch(depth_map, at, 0).x - depth) / max(1.0 - depth, 1e-6), 0.0);
+      float w =
+          max(1.0 - kDepthsApart * abs(texelFetch(depth_map, at, 0).x - depth) / max(1.0 - depth, kLeastDepth), 0.0);
       sum += w * texelFetch(visibility_map, at, 0).x;
       weight += w;
     }
   }
-  o_visibility = vec4(sum / max(weight, 1e-6), along, 0.0, 1.0);
+  o_visibility = vec4(sum / max(weight, kLeastWeight), along, 0.0, 1.0);
 }

@@ -7,7 +7,7 @@
 
 #include "raster/material_block.h"
 #include "raster/programs.h"
-#include "unit/raster/gl_fixture.h"
+#include "unit/gl/gl_fixture.h"
 
 namespace candela {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "base/error.h"
 #include "raster/render.h"
+#include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"
-#include "unit/raster/gl_fixture.h"
 
 namespace candela {
 namespace {

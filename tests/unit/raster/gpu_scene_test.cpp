@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "shade/surface_params.glsl.h"
+#include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"
-#include "unit/raster/gl_fixture.h"
 
 // A moment of a scene costs the driver what differs from the one before.
 

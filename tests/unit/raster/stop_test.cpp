@@ -3,8 +3,8 @@
 #include <atomic>
 
 #include "candela/candela.h"
+#include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"
-#include "unit/raster/gl_fixture.h"
 
 namespace candela {
 namespace {

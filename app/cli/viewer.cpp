@@ -1,0 +1,220 @@
+#include "cli/viewer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "base/diagnostics.h"
+#include "base/error.h"
+#include "candela/cache.h"
+#include "candela/candela.h"
+#include "cli/output.h"
+#include "cli/render_outputs.h"
+#include "cli/values.h"
+#include "content/make_environment.h"
+#include "gl/window.h"
+#include "raster/renderer.h"
+#include "scene/environment.h"
+
+namespace candela::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// When anything below a folder was written last.
+fs::file_time_type last_change(const std::string& folder) {
+  fs::file_time_type latest = fs::file_time_type::min();
+  std::error_code code;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, code)) {
+    if (entry.is_regular_file(code)) latest = std::max(latest, entry.last_write_time(code));
+  }
+  return latest;
+}
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// A scene in a window, from where the user turns it to.
+class Viewer {
+ public:
+  explicit Viewer(const ViewOptions& o);
+  void run();
+
+ private:
+  void react(const gl::Window::Input& input);
+  void watch_shaders();
+  void draw();
+  void save();
+  View view() const;
+
+  double opened_s_ = seconds_now();
+  ViewOptions options_;
+  Diagnostics diagnostics_;
+  Asset asset_;
+  Scene scene_;
+  Environment environment_;
+  Box3 bounds_;  ///< of the scene at rest: what moves shall not move the camera
+  DevelopSettings develop_;
+  gl::Window window_;
+  raster::Settings settings_;
+  std::unique_ptr<raster::Renderer> renderer_;
+  Orbit orbit_;
+  std::optional<std::size_t> camera_;  ///< the node of the scene's own
+  bool is_turned_ = false;             ///< by the user, away from it
+  bool is_playing_ = false;
+  double moment_s_ = 0.0, last_s_ = 0.0;
+  bool is_broken_ = false;  ///< the shaders do not compile; the last picture stays
+  fs::file_time_type shaders_changed_;
+  double next_look_s_ = 0.0;
+  int drawn_ = 0;
+};
+
+raster::Settings settings_of(const ViewOptions& o) {
+  raster::Settings settings;
+  settings.width = o.size.x;
+  settings.height = o.size.y;
+  settings.shader_folder = o.shader_folder;
+  settings.cache = cache_folder();
+  return settings;
+}
+
+Viewer::Viewer(const ViewOptions& o)
+    : options_(o),
+      asset_(o.scene, &diagnostics_, LoadOptions{.root = o.root, .scene = o.scene_choice, .measures = o.measures}),
+      scene_(asset_.scene()),
+      environment_(o.environment ? make_environment(*o.environment, &diagnostics_)
+                                 : default_light(scene_, &diagnostics_)),
+      bounds_(subject_bounds(scene_)),
+      develop_(default_develop(scene_, environment_)),
+      window_("candela: " + o.scene, o.size),
+      settings_(settings_of(o)) {
+  const ivec2 size = window_.size();
+  settings_.width = std::max(size.x, 1), settings_.height = std::max(size.y, 1);
+  renderer_ =
+      std::make_unique<raster::Renderer>(scene_, environment_, shade::shading_model_candela(), settings_, diagnostics_);
+  if (raster::is_lit_from_far(environment_)) {
+    renderer_->set_light(raster::bake_light(environment_, raster::uses_sheen(scene_), settings_.cache));
+  }
+  const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
+  camera_ = default_camera(scene_, aspect, &diagnostics_);
+  renderer_->begin(view());
+  for (const Diagnostic& warning : diagnostics_.warnings()) std::cerr << "warning: " << warning.text() << '\n';
+  is_playing_ = asset_.is_animated();
+  if (!options_.shader_folder.empty()) shaders_changed_ = last_change(options_.shader_folder);
+  last_s_ = seconds_now();
+}
+
+View Viewer::view() const {
+  const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
+  if (!is_turned_ && camera_) return scene_camera(scene_, scene_.nodes[*camera_], aspect);
+  return frame_box(bounds_, aspect, PerspectiveCamera{}.yfov, orbit_);
+}
+
+void Viewer::save() {
+  Film film;
+  film.beauty = renderer_->read();
+  Inputs inputs;
+  inputs.add(asset_.files());
+  inputs.add_environment(options_.environment.value_or(""));
+  const fs::path path = free_name({}, default_stem(options_.scene), inputs);
+  write_film(path, film, develop_);
+  std::cerr << path.string() << '\n';
+}
+
+void Viewer::react(const gl::Window::Input& input) {
+  constexpr float kRadiansPerPixel = 0.008f;
+  constexpr float kSteepest = 1.5f;
+  if (input.drag != vec2(0.0f) || input.scroll != 0.0f) {
+    is_turned_ = true;
+    orbit_.azimuth -= kRadiansPerPixel * input.drag.x;
+    orbit_.elevation = std::clamp(orbit_.elevation + kRadiansPerPixel * input.drag.y, -kSteepest, kSteepest);
+    orbit_.distance_scale = std::clamp(orbit_.distance_scale * std::exp2(-0.2f * input.scroll), 0.05f, 20.0f);
+  }
+  for (const char key : input.keys) {
+    if (key == ' ') is_playing_ = !is_playing_ && asset_.is_animated();
+    if (key == 'R') renderer_->programs().reload(), is_broken_ = false;
+    if (key == 'S') save();
+  }
+}
+
+/// Shaders that changed on disk are compiled anew; where they are wrong, it says so and waits for the next change.
+void Viewer::watch_shaders() {
+  constexpr double kLookEvery = 0.3;  // seconds
+  if (options_.shader_folder.empty() || seconds_now() < next_look_s_) return;
+  next_look_s_ = seconds_now() + kLookEvery;
+  const fs::file_time_type changed = last_change(options_.shader_folder);
+  if (changed == shaders_changed_) return;
+  shaders_changed_ = changed;
+  renderer_->programs().reload();
+  is_broken_ = false;
+  std::cerr << "shaders reloaded\n";
+}
+
+void Viewer::draw() {
+  const ivec2 size = window_.size();
+  if (size.x < 1 || size.y < 1) return;
+  if (size != ivec2(settings_.width, settings_.height)) {
+    settings_.width = size.x, settings_.height = size.y;
+    renderer_->resize(size.x, size.y);
+  }
+  if (is_playing_) {
+    const double length = asset_.duration_s("");
+    moment_s_ = length > 0.0 ? std::fmod(moment_s_ + seconds_now() - last_s_, length) : 0.0;
+    scene_ = asset_.scene(Pose{"", moment_s_});
+    renderer_->set_scene(scene_);
+    if (renderer_->lacks_sheen_light()) renderer_->set_light(raster::bake_light(environment_, true, settings_.cache));
+  }
+  last_s_ = seconds_now();
+  if (is_broken_) {
+    // Nothing to draw with; not so fast that it keeps the machine busy.
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return;
+  }
+  try {
+    renderer_->begin(view());
+    renderer_->draw(view());
+    if (!develop_.exposure) {
+      Film film;
+      film.beauty = renderer_->read();
+      develop_.exposure = metered_exposure(film);
+    }
+    renderer_->present(size, develop_.exposure.value_or(1.0f), develop_.tone_curve);
+  } catch (const Error& error) {
+    if (options_.shader_folder.empty()) throw;
+    is_broken_ = true;
+    std::cerr << "candela: " << one_line(error.what()) << '\n';
+  }
+  window_.swap();
+  ++drawn_;
+}
+
+void Viewer::run() {
+  std::optional<double> first;
+  while (options_.frames == 0 || drawn_ < options_.frames) {
+    const gl::Window::Input input = window_.poll();
+    if (input.wants_to_close) break;
+    react(input);
+    watch_shaders();
+    draw();
+    if (drawn_ == 1 && !first) {
+      first = seconds_now();
+      std::cerr << fmt::format("first picture after {:.1f} s\n", *first - opened_s_);
+    }
+  }
+  if (options_.frames > 1 && drawn_ > 1) {
+    std::cerr << fmt::format("{} frames, {:.1f} ms each\n", drawn_, 1e3 * (seconds_now() - *first) / (drawn_ - 1));
+  }
+}
+
+}  // namespace
+
+void show(const ViewOptions& options) { Viewer(options).run(); }
+
+}  // namespace candela::cli

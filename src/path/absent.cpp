@@ -1,0 +1,35 @@
+#include "base/parts.h"
+#include "path/capture.h"
+#include "path/render.h"
+
+// The doors of the path tracer in a build without it: nobody passes.
+namespace candela::path {
+
+namespace {
+
+[[noreturn]] void refuse() { throw absent_part("the path tracer", "CANDELA_WITH_PATH"); }
+
+}  // namespace
+
+void check_built() { refuse(); }
+const char* integrator_name(Integrator) { refuse(); }
+std::uint64_t picture_bytes(const Settings&) { refuse(); }
+
+struct Tracer::Parts {};
+Tracer::Tracer(std::shared_ptr<const Scene>, const Environment&, const shade::ShadingModel&) { refuse(); }
+Tracer::Tracer(Scene, const Environment&, const shade::ShadingModel&) { refuse(); }
+Film Tracer::render(const View&, const Settings&, const Job&, Statistics*) const { refuse(); }
+const Scene& Tracer::scene() const { refuse(); }
+double Tracer::build_s() const { refuse(); }
+
+class Picture::Impl {};
+Picture::Picture(const Tracer&, const View&, const Settings&) { refuse(); }
+Picture::~Picture() = default;
+void Picture::trace(int, const Job&) { refuse(); }
+Film Picture::film() const { refuse(); }
+Statistics Picture::statistics() const { refuse(); }
+
+Film render(const Scene&, const Environment&, const View&, const Settings&, const Job&, Statistics*) { refuse(); }
+Cubemap capture_environment(const Tracer&, vec3, int, const Settings&, const Job&, Statistics*) { refuse(); }
+
+}  // namespace candela::path

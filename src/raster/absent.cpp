@@ -1,0 +1,33 @@
+#include "base/parts.h"
+#include "raster/render.h"
+
+// The doors of the rasterizer in a build without it: nobody passes.
+namespace candela::raster {
+
+namespace {
+
+[[noreturn]] void refuse() { throw absent_part("the rasterizer", "CANDELA_WITH_RASTER"); }
+
+}  // namespace
+
+void check_built() { refuse(); }
+std::uint64_t picture_bytes(const Settings&) { refuse(); }
+
+struct Device::Parts {};
+Device::Device() { refuse(); }
+Device::~Device() = default;
+
+class Drawer::Impl {};
+Drawer::Drawer(std::shared_ptr<const Scene>, const Environment&, const shade::ShadingModel&, std::shared_ptr<Device>) {
+  refuse();
+}
+Drawer::Drawer(Scene, const Environment&, const shade::ShadingModel&, std::shared_ptr<Device>) { refuse(); }
+Drawer::~Drawer() = default;
+void Drawer::set_probes(std::vector<Probe>) { refuse(); }
+void Drawer::set_scene(std::shared_ptr<const Scene>) { refuse(); }
+Film Drawer::render(const View&, const Settings&, const Job&, Statistics*) { refuse(); }
+Film Drawer::render(const MomentOf&, const Settings&, const Job&, Statistics*) { refuse(); }
+
+Film render(const Scene&, const Environment&, const View&, const Settings&, const Job&, Statistics*) { refuse(); }
+
+}  // namespace candela::raster

@@ -1,0 +1,138 @@
+// Light from far away: of the environment, or of a probe within the scene.
+
+// Of the map of what is visible: texels whose depth differs by a twentieth are of another surface. They count by so
+// little that they matter where there is no other; where even they weigh nothing, nothing is in the way.
+const float kDepthsApart = 20.0;
+const float kAnyDepth = 1e-4;
+const float kOpen = 1e-5;
+const float kNoDepth = 1e-30;  // m: none is divided by
+
+#ifdef HAS_PROBES
+uniform vec3 probe_position;
+uniform float probe_levels;  // of its cubes
+uniform vec3 probe_low;
+uniform vec3 probe_high;
+
+/// Where a probe sees what lies in a direction from here, on the walls of its box. Lagarde & Zanuttini 2012, "Local
+/// Image-based Lighting With Parallax-corrected Cubemap".
+vec3 probe_direction(vec3 direction) {
+  vec3 to_low = (probe_low - v_position) / direction, to_high = (probe_high - v_position) / direction;
+  vec3 far = max(to_low, to_high);
+  float t = min(far.x, min(far.y, far.z));
+  return t > 0.0 ? v_position + direction * t - probe_position : direction;
+}
+#endif
+
+float far_light_level(float alpha) {
+#ifdef HAS_PROBES
+  return image_light_level(alpha, probe_levels);
+#else
+  return image_light_level(alpha, light_levels);
+#endif
+}
+
+/// Where the cubes of light from far away show what lies in a direction.
+vec3 far_light_direction(vec3 direction) {
+#ifdef HAS_PROBES
+  return probe_direction(direction);
+#else
+  return direction;
+#endif
+}
+
+vec3 prefiltered(vec3 direction, float alpha) {
+  return textureLod(specular_light, far_light_direction(direction), far_light_level(alpha)).rgb;
+}
+
+vec3 mirrored_light(Point p, vec3 n, float alpha) {
+  vec3 r = 2.0 * dot(n, p.wo) * n - p.wo;
+  return prefiltered(image_light_dominant(n, r, alpha), alpha) * image_light_horizon(r, p.geometric);
+}
+
+float occlusion() {
+  float visible = 1.0;
+#ifdef occlusion_strength_factor
+  visible = 1.0 + material.occlusion_strength * (occlusion_strength_factor() - 1.0);
+#endif
+#ifdef HAS_SCREEN_OCCLUSION
+  // The map has half the picture's size: of the four texels around, those at this depth.
+  vec2 at = gl_FragCoord.xy * 0.5 - 0.5;
+  ivec2 corner = ivec2(floor(at)), most = textureSize(screen_visibility, 0) - 1;
+  vec2 f = fract(at);
+  float depth = dot(eye - v_position, back);
+  float sum = 0.0, weight = kOpen;
+  for (int i = 0; i < 4; ++i) {
+    ivec2 d = ivec2(i & 1, i >> 1);
+    vec2 texel = texelFetch(screen_visibility, clamp(corner + d, ivec2(0), most), 0).xy;
+    float w = (d.x == 1 ? f.x : 1.0 - f.x) * (d.y == 1 ? f.y : 1.0 - f.y);
+    w *= max(1.0 - kDepthsApart * abs(texel.y - depth) / max(depth, kNoDepth), 0.0) + kAnyDepth;
+    sum += w * texel.x;
+    weight += w;
+  }
+  // Both tell of the same crevices.
+  visible = min(visible, (sum + kOpen) / weight);
+#endif
+  return visible;
+}
+
+#ifdef LOBE_transmission
+#include "mesh_transmission.glsl"
+#endif
+
+/// 1 where a part of the light is shown.
+float part(int bit) { return (shown_parts & bit) != 0 ? 1.0 : 0.0; }
+
+vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
+  vec3 n = p.normal;
+  float visible = occlusion();
+  vec3 color = vec3(0.0);
+#ifdef HAS_FAR_LIGHT
+  color = shares.diffuse * texture(diffuse_light, n).rgb * (part(kDiffusePart) / kShadePi) *
+          image_light_multibounce(visible, min(shares.diffuse, vec3(1.0)));
+  vec3 bent = n;
+#if defined(LOBE_anisotropy) && defined(HAS_TANGENT)
+  // The lobe is wide along x: the normal leans towards the viewer in the plane across it.
+  vec3 across = frame[1];
+  vec3 along_view = cross(across, p.wo);
+  vec3 anisotropic = normalize(cross(along_view, across));
+  bent = normalize(mix(n, anisotropic, shade_saturate(params.anisotropy * params.anisotropy)));
+  if (dot(bent, n) < 0.0) bent = n;
+#endif
+  float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
+  color +=
+      (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * (part(kSpecularPart) * specular_visible);
+#ifdef LOBE_retroreflection
+  vec3 turned = prefiltered(image_light_dominant(n, p.wo, s.alpha), s.alpha) - mirrored_light(p, bent, s.alpha);
+  color += shares.specular * turned * (s.retroreflection * part(kSpecularPart) * specular_visible);
+#endif
+#ifdef HAS_LAYERS
+#if defined(LOBE_diffuse_transmission) && !defined(IS_SCATTERING)
+  color += shares.below * texture(diffuse_light, -n).rgb * (part(kDiffusePart) / kShadePi);
+#endif
+#ifdef LOBE_sheen
+#ifdef HAS_SHEEN_LIGHT
+  color += shares.sheen *
+           textureLod(sheen_light, far_light_direction(2.0 * wo.z * n - p.wo),
+                      far_light_level(roughness_to_alpha(s.sheen_roughness)))
+               .rgb *
+           (part(kSheenPart) * visible);
+#else
+  color += shares.sheen * texture(diffuse_light, n).rgb * (part(kSheenPart) * visible / kShadePi);
+#endif
+#endif
+#ifdef LOBE_clearcoat
+  vec3 nc = normalize(frame * s.coat_normal);
+  color += shares.coat * mirrored_light(p, nc, s.coat_alpha) *
+           (part(kCoatPart) * image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha));
+#endif
+#endif
+#endif
+#if defined(LOBE_transmission) && !defined(IS_SCATTERING)
+  vec3 open;
+  color += shares.through * transmitted_light(p, params, s.alpha, open) * part(kThroughPart);
+#ifdef HAS_THROUGH
+  seen_through = shares.through * open;
+#endif
+#endif
+  return color;
+}
