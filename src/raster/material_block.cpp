@@ -15,8 +15,6 @@ namespace candela::raster {
 
 namespace {
 
-float rotation_cos(const Material& m) { return std::cos(m.anisotropy_rotation); }
-float rotation_sin(const Material& m) { return std::sin(m.anisotropy_rotation); }
 float cutoff(const Material& m) { return drawn_cutoff(m.alpha_cutoff); }
 
 /// The mean free path, for each colour; Christensen & Burley 2015, "Approximate Reflectance Profiles for Efficient
@@ -41,8 +39,6 @@ struct Derived {
 };
 
 constexpr auto kDerived = std::to_array<Derived>({
-    {"anisotropy_cos", rotation_cos, nullptr, "of anisotropy_rotation"},
-    {"anisotropy_sin", rotation_sin, nullptr, ""},
     {"drawn_cutoff", cutoff, nullptr, "alpha_cutoff, less what rounding takes"},
     {"extinction", nullptr, volume_extinction, "1/m"},
     {"scatter_width", nullptr, scattering_width, "how wide light spreads in a scattering body, metres"},
@@ -118,6 +114,18 @@ std::string fetch_text(const MaterialProperty& row) {
   return text + "#endif\n";
 }
 
+std::string_view name_of_texture(const DirectionRow& row) { return kTextureRows[texture_slot_index(row.texture)].name; }
+
+/// A direction, of the front's tangent and bitangent.
+std::string direction_text(const DirectionRow& row) {
+  return fmt::format(
+      "vec3 {1}_direction(vec3 t, vec3 b) {{\n"
+      "  vec2 turn = vec2(cos(material.{0}), sin(material.{0}));\n"
+      "#ifdef HAS_{1}\n  turn = normal_turned(turn, {1}_texel().xy);\n#endif\n"
+      "  return t * turn.x + b * turn.y;\n}}\n",
+      property_of(row.rotation).name, name_of_texture(row));
+}
+
 }  // namespace
 
 bool is_scattering(const Material& m) {
@@ -176,11 +184,17 @@ std::string material_block_text() {
 }
 
 std::string material_fetch_text() {
-  std::string base, layers;
+  std::string base, layers, directions, turned;
+  for (const DirectionRow& row : kDirectionRows) {
+    directions += direction_text(row);
+    if (row.param == nullptr) continue;
+    turned += fmt::format("  p.{} = {}_direction(t, b) * frame;\n", row.param_name, name_of_texture(row));
+  }
   for (const MaterialProperty& row : kMaterialProperties) {
     if (row.param) (row.lobe.bit == 0 ? base : layers) += fetch_text(row);
   }
-  return "void fetch_factors(inout SurfaceParams p) {\n" + base + "#ifdef HAS_LAYERS\n" + layers + "#endif\n}\n";
+  return "void fetch_factors(inout SurfaceParams p) {\n" + base + "#ifdef HAS_LAYERS\n" + layers + "#endif\n}\n" +
+         directions + "void fetch_directions(vec3 t, vec3 b, mat3 frame, inout SurfaceParams p) {\n" + turned + "}\n";
 }
 
 std::string factor_texts(std::size_t slot) {

@@ -33,10 +33,18 @@ struct JsonSource {
   /// What stands there where the place is and the key is not; none: what a material has without the place.
   std::optional<float> implied = {};
 
+  /// The file has true or false there, which are 1 and 0.
+  bool is_flag = false;
+
   constexpr bool is_special() const { return place == kSpecialPlace; }
   constexpr JsonSource implying(float value) const {
     JsonSource source = *this;
     source.implied = value;
+    return source;
+  }
+  constexpr JsonSource flag() const {
+    JsonSource source = *this;
+    source.is_flag = true;
     return source;
   }
 };
@@ -61,6 +69,14 @@ inline constexpr auto kUnratifiedExtensions = std::to_array<UnratifiedExtension>
     {"KHR_materials_diffuse_roughness", "a draft"},
     {"KHR_materials_retroreflection", "a release candidate, not ratified"},
 });
+
+/// Extensions that stand in a file for viewers which do not know another one, by which they are replaced.
+struct FallbackExtension {
+  std::string_view name;
+  std::string_view replaced_by;
+};
+inline constexpr auto kFallbackExtensions =
+    std::to_array<FallbackExtension>({{"KHR_materials_sheen", "KHR_materials_fuzz"}});
 
 // ----- textures
 
@@ -405,6 +421,41 @@ inline constexpr auto kMaterialProperties = [] {
   });
 }();
 
+// ----- directions
+
+/// A direction in the surface that a lobe follows: so far from the tangent, and farther by what red and green of a
+/// texture say.
+struct DirectionRow {
+  float Material::*rotation;  ///< radians, counter-clockwise
+  TextureSlot Material::*texture;
+  int lobe;                           ///< that follows it
+  vec3 shade::SurfaceParams::*param;  ///< in the shading frame; none: it is the x axis of that frame
+  std::string_view param_name;
+};
+
+inline constexpr auto kDirectionRows = std::to_array<DirectionRow>({
+    {&Material::anisotropy_rotation, &Material::anisotropy_texture, shade::kLobeAnisotropy, nullptr, {}},
+});
+
+/// Whether the texels of a slot say a direction, whatever else they say.
+constexpr bool is_direction_texture(std::size_t slot) {
+  return std::any_of(kDirectionRows.begin(), kDirectionRows.end(),
+                     [slot](const DirectionRow& row) { return row.texture == kTextureRows[slot].slot; });
+}
+
+/// Lobes that need tangents.
+inline constexpr int kLobesWithDirection = [] {
+  int lobes = 0;
+  for (const DirectionRow& row : kDirectionRows) lobes |= row.lobe;
+  return lobes;
+}();
+
+/// The texture whose coordinates say where tangents point: an empty one (set 0 as it is) when only a direction's
+/// factors ask for them; null when nothing does.
+const TextureSlot* tangent_slot(const Material& material);
+
+// ----- loops
+
 /// Calls `f` with the number of each row as a std::integral_constant, for what the compiler shall unroll.
 template <class F>
 constexpr void for_each_property(F&& f) {
@@ -417,6 +468,13 @@ template <class F>
 constexpr void for_each_texture(F&& f) {
   [&]<std::size_t... I>(std::index_sequence<I...>) { (f(std::integral_constant<std::size_t, I>{}), ...); }
   (std::make_index_sequence<kTextureSlots>{});
+}
+
+/// The same for the directions.
+template <class F>
+constexpr void for_each_direction(F&& f) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) { (f(std::integral_constant<std::size_t, I>{}), ...); }
+  (std::make_index_sequence<kDirectionRows.size()>{});
 }
 
 /// The row of a member.

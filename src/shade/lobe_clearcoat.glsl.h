@@ -16,6 +16,7 @@ SHADE_FN void coat_matter(bool has_index, SHADE_INOUT(Surface) s) {
   s.coat_strength = 1.0f;
   s.coat = 0.0f;
   s.coat_normal = vec3(0.0f, 0.0f, 1.0f);
+  s.coat_tangent = vec3(1.0f, 0.0f, 0.0f);
   s.coat_multiscatter = 0.0f;
 }
 
@@ -25,6 +26,14 @@ SHADE_FN float coat_fresnel(SHADE_IN(Surface) s, float cos_theta) {
 }
 
 SHADE_FN float coat_cosine(SHADE_IN(Surface) s, vec3 w) { return abs(dot(s.coat_normal, w)); }
+
+/// Its split-sum terms at w.
+SHADE_FN vec2 coat_ggx(SHADE_IN(Surface) s, vec3 w) {
+  return table_ggx_curve(coat_cosine(s, w), s.coat_row, s.coat_curve);
+}
+
+/// Their cosine-weighted means.
+SHADE_FN vec2 coat_ggx_mean(SHADE_IN(Surface) s) { return table_ggx_curve_mean(s.coat_row, s.coat_curve); }
 
 /// At a direction where its split-sum terms are `ab`, at weight 1.
 SHADE_FN float coat_albedo(SHADE_IN(Surface) s, vec2 ab) {
@@ -77,17 +86,17 @@ SHADE_FN void coat_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surfa
   s.coat_alpha = roughness_to_alpha(p.clearcoat_roughness);
   s.is_coat_mirror = s.coat_alpha < kGgxMirrorAlpha;
   s.coat_normal = p.clearcoat_normal;
+  s.coat_tangent = shade_tangent(s.coat_normal);
   s.coat = p.clearcoat;
   s.coat_row = table_ggx_roughness(s.coat_roughness);
   coat_prepare_index(p.clearcoat_ior, s);
-  vec2 mean = table_ggx_curve_mean(s.coat_row, s.coat_curve);
+  vec2 mean = coat_ggx_mean(s);
   float escape_mean = 1.0f - mean.x - mean.y;
   float f_mean = s.coat_f0 + (1.0f - s.coat_f0) * table_walk_rise(s.coat_row, s.coat_curve);
   float share = s.model.multiscatter ? multiscatter_share(f_mean, table_walk(s.coat_row)) : 0.0f;
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
-  vec2 ab = table_ggx_curve(coat_cosine(s, wo), s.coat_row, s.coat_curve);
-  s.coat_escape_o = s.is_coat_mirror ? 0.0f : base_escape(ab);
+  s.coat_escape_o = s.is_coat_mirror ? 0.0f : base_escape(coat_ggx(s, wo));
   s.is_coat_clear = p.clearcoat_color == vec3(1.0f) && p.clearcoat_darkening <= 0.0f;
   if (s.is_coat_clear) return;
   s.coat_color = max(p.clearcoat_color, vec3(1e-6f));
@@ -113,11 +122,11 @@ SHADE_FN vec3 coat_filter_out(SHADE_IN(Surface) s) {
   return mix(vec3(1.0f), s.coat_tint_o, s.coat);
 }
 
-/// At cosines to the coat's normal and to the base's, above a base of this roughness.
-SHADE_FN LayerAt coat_at(SHADE_IN(Surface) s, float coat_mu, float mu, float roughness) {
+/// Where its split-sum terms are `ab`, at a cosine to the normal of a base of this roughness.
+SHADE_FN LayerAt coat_at(SHADE_IN(Surface) s, vec2 ab, float mu, float roughness) {
   LayerAt at = layer_absent();
   if ((s.lobes & kLobeClearcoat) == 0) return at;
-  at.albedo = coat_albedo(s, table_ggx_curve(coat_mu, s.coat_row, s.coat_curve));
+  at.albedo = coat_albedo(s, ab);
   // How the base's lobe spreads is the base normal's matter; how much comes through, the coat's.
   at.over = table_coat_over(mu, roughness, s.coat_roughness, at.albedo);
   if (s.coat_strength != 1.0f) {
@@ -138,14 +147,10 @@ SHADE_FN bool coat_is_delta(SHADE_IN(Surface) s) { return s.chance_coat <= 0.0f 
 
 // ----- in its own frame
 
-SHADE_FN vec3 coat_to_local(SHADE_IN(Surface) s, vec3 w) {
-  vec3 t = shade_tangent(s.coat_normal);
-  return vec3(dot(w, t), dot(w, cross(s.coat_normal, t)), dot(w, s.coat_normal));
-}
+SHADE_FN vec3 coat_to_local(SHADE_IN(Surface) s, vec3 w) { return shade_to_local(s.coat_normal, s.coat_tangent, w); }
 
 SHADE_FN vec3 coat_from_local(SHADE_IN(Surface) s, vec3 w) {
-  vec3 t = shade_tangent(s.coat_normal);
-  return t * w.x + cross(s.coat_normal, t) * w.y + s.coat_normal * w.z;
+  return shade_from_local(s.coat_normal, s.coat_tangent, w);
 }
 
 /// The coat: value and density.
@@ -156,8 +161,7 @@ SHADE_FN SurfaceEval coat_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   vec3 o = coat_to_local(s, wo);
   vec3 i = coat_to_local(s, wi);
   if (o.z <= 0.0f || i.z <= 0.0f) return r;
-  vec2 ab = table_ggx_curve(i.z, s.coat_row, s.coat_curve);
-  float f = s.coat_multiscatter * s.coat_escape_o * base_escape(ab);
+  float f = s.coat_multiscatter * s.coat_escape_o * base_escape(coat_ggx(s, wi));
   if (!s.is_coat_mirror) {
     vec3 wm = o + i;
     float cos_m = 0.5f * length(wm);

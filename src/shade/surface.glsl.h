@@ -80,7 +80,7 @@ SHADE_FN vec3 surface_albedo(SHADE_IN(Surface) s) {
 
 /// What is left of emission on its way out through the layers above the base.
 SHADE_FN vec3 surface_emission_scale(SHADE_IN(Surface) s) {
-  if ((s.lobes & (kLobeSheen | kLobeClearcoat)) == 0) return vec3(1.0f);
+  if ((s.lobes & (kLobesOfFibres | kLobeClearcoat)) == 0) return vec3(1.0f);
   return layers_emission_scale(s);
 }
 

@@ -20,6 +20,10 @@ SHADE_CONST int kLobeClearcoat = 128;
 SHADE_CONST int kLobeDiffuseRoughness = 256;
 SHADE_CONST int kLobeRetroreflection = 512;
 
+// Lobes that have something in common: fibres above the base, and a curve of reflectance of their own.
+SHADE_CONST int kLobesOfFibres = kLobeSheen;
+SHADE_CONST int kLobesOfFresnel = kLobeModel | kLobeConductor | kLobeIridescence;
+
 /// What textures and factors say at one point, before any physics. Linear Rec.709.
 struct SurfaceParams {
   int lobes;  ///< kLobe… bits; fields of lobes that are absent are not read
@@ -116,7 +120,9 @@ struct Surface {
   vec3 film_escape;                ///< share of what single scattering loses that the film reflects
   vec3 film_below_o;      ///< of each channel that reaches the diffuse layer over the share of the strongest, at wo
   vec3 film_below_scale;  ///< likewise, of diffuse_scale
+  bool has_f82_tint;      ///< a metal's reflectance dips near 82°
   vec3 f82_tint;
+  vec3 f90_tint;  ///< of a dielectric's reflectance at grazing angles
   vec3 conductor_n;
   vec3 conductor_k;
 
@@ -125,7 +131,8 @@ struct Surface {
   float eta;
   float glass_f0;  ///< of the bare boundary
   vec3 glass_f0_tinted;
-  vec3 glass_tint;  ///< of what goes through
+  vec3 glass_tint;   ///< of what goes through
+  vec3 glass_shine;  ///< of what is reflected, beyond its F0
   float glass_escape_o;
   float glass_reflected;     ///< share of what single scattering loses that stays on this side
   float glass_multireflect;  ///< as `multiscatter`
@@ -138,13 +145,17 @@ struct Surface {
   float sheen_weight;  ///< strongest channel of the colour: how much of a sheen lies above the base
   float sheen_albedo_o;
   float sheen_scale_o;
-  float sheen_over_o;  ///< how it dims the specular lobe at wo
+  float sheen_over_o;       ///< how it dims the specular lobe at wo
+  bool is_sheen_on_top;     ///< of the coat too, which it then dims
+  vec3 sheen_normal;        ///< of fibres on top
+  float sheen_over_coat_o;  ///< how they dim the coat's lobe at wo
 
   float coat;  ///< weight
   float coat_alpha;
   float coat_roughness;
   bool is_coat_mirror;
   vec3 coat_normal;
+  vec3 coat_tangent;
   TableCell coat_row;
   TableCell coat_curve;
   float coat_escape_share;  ///< share that it reflects of what its single scattering loses

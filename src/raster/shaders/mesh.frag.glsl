@@ -1,8 +1,10 @@
 #include "frame.glsl"
 #include "shade/image_light.glsl.h"
 #include "shade/dispersion.glsl.h"
+#include "shade/shading_normal.glsl.h"
 #include "shade/workflow.glsl.h"
 #include "material.glsl"
+#include "material_fetch.glsl"
 #ifdef HAS_AREAS
 #include "shade/area_light.glsl.h"
 #endif
@@ -77,29 +79,9 @@ struct Point {
   vec3 vertex_normal;    // of the vertices
   vec3 normal;     // mapped
   vec3 coat_normal;
-  vec3 tangent;
+  vec3 front_tangent;  // of the front; 0: there is none
+  vec3 front_bitangent;
 };
-
-/// Turns a shading normal just so far that the viewer is in front of it and its mirror direction is in front of the
-/// facet.
-vec3 keep_reflection_outside(vec3 ns, vec3 ng, vec3 wo) {
-  float cos_o = dot(ns, wo);
-  if (cos_o < 0.01) ns = normalize(ns + (0.01 - cos_o) * wo);
-  vec3 reflected = 2.0 * dot(ns, wo) * ns - wo;
-  float limit = min(0.9 * dot(ng, wo), 0.01);
-  float above = dot(reflected, ng);
-  if (above >= limit) return ns;
-  return normalize(wo + normalize(reflected + (limit - above) * ng));
-}
-
-vec3 mapped(vec4 texel, float scale, mat3 front, bool flip, vec3 ns, float side) {
-  vec3 l = texel.xyz * 2.0 - 1.0;
-  l.x *= scale;
-  l.y *= flip ? -scale : scale;
-  vec3 m = front * l;
-  float m2 = dot(m, m);
-  return m2 > 1e-12 ? m * (inversesqrt(m2) * side) : ns;
-}
 
 #ifdef HAS_height
 /// What to take of dFdx and dFdy for how a quantity changes along a direction in the surface.
@@ -184,7 +166,8 @@ Point make_point(bool is_back) {
   ns = relief_normal(ns);
 #endif
   p.coat_normal = ns;
-  p.tangent = vec3(0.0);
+  p.front_tangent = vec3(0.0);
+  p.front_bitangent = vec3(0.0);
 #ifdef HAS_TANGENT
   float side = is_back ? -1.0 : 1.0;
   vec3 nf = ns * side;
@@ -194,19 +177,15 @@ Point make_point(bool is_back) {
   bool flip = v_tangent.w < 0.0;
   mat3 front = mat3(t, cross(nf, t), nf);
 #ifdef HAS_clearcoat_normal
-  p.coat_normal = mapped(clearcoat_normal_texel(), material.clearcoat_normal_scale, front, flip, ns, side);
+  p.coat_normal = normal_mapped(clearcoat_normal_texel().xyz, material.clearcoat_normal_scale, front, flip, ns, side);
 #endif
 #ifdef HAS_normal
-  ns = mapped(normal_texel(), material.normal_scale, front, flip, ns, side);
+  ns = normal_mapped(normal_texel().xyz, material.normal_scale, front, flip, ns, side);
 #endif
-  vec2 turn = vec2(material.anisotropy_cos, material.anisotropy_sin);
-#ifdef HAS_anisotropy
-  vec2 d = anisotropy_texel().xy * 2.0 - 1.0;
-  turn = vec2(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y);
+  p.front_tangent = front[0];
+  p.front_bitangent = flip ? -front[1] : front[1];
 #endif
-  p.tangent = front[0] * turn.x + (flip ? -front[1] : front[1]) * turn.y;
-#endif
-  p.normal = keep_reflection_outside(ns, ng, p.wo);
+  p.normal = normal_kept_outside(ns, ng, p.wo);
   return p;
 }
 
@@ -234,8 +213,6 @@ vec3 fetch_base_color() {
   return c;
 }
 
-#include "material_fetch.glsl"
-
 SurfaceParams fetch_params() {
   SurfaceParams p = surface_params_default();
   p.lobes = LOBES;
@@ -247,10 +224,9 @@ SurfaceParams fetch_params() {
 #ifdef HAS_specular_glossiness
   vec4 sg = specular_glossiness_texel();
   p.specular_color *= sg.rgb;
-  p.roughness = 1.0 - (1.0 - p.roughness) * sg.a;
+  p.roughness = workflow_roughness(p.roughness, sg.a);
 #endif
-  float left = 1.0 - shade_max3(p.specular_color);
-  p.base_color = min(p.base_color * (left / (1.0 - kWorkflowF0)), vec3(1.0));
+  p.base_color = workflow_base_color(p.base_color, p.specular_color);
 #endif
 #ifdef MODEL_BLEND
   p.model.distribution = MODEL_DISTRIBUTION;
@@ -455,7 +431,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #if defined(LOBE_diffuse_transmission) && !defined(IS_SCATTERING)
   color += shares.below * texture(diffuse_light, -n).rgb * (part(1) / kShadePi);
 #endif
-#ifdef LOBE_sheen
+#ifdef HAS_FIBRES
 #ifdef HAS_SHEEN_LIGHT
   color += shares.sheen * textureLod(sheen_light, far_light_direction(2.0 * wo.z * n - p.wo), far_light_level(roughness_to_alpha(s.sheen_roughness))).rgb * (part(8) * visible);
 #else
@@ -594,13 +570,17 @@ Shading prepare(bool is_back) {
 #endif
 
   // ----- the local frame
-  vec3 t = p.tangent - p.normal * dot(p.normal, p.tangent);
+  vec3 tangent = anisotropy_direction(p.front_tangent, p.front_bitangent);
+  vec3 t = tangent - p.normal * dot(p.normal, tangent);
   float t2 = dot(t, t);
   t = t2 > 1e-16 ? t * inversesqrt(t2) : shade_tangent(p.normal);
   mat3 frame = mat3(t, cross(p.normal, t), p.normal);
   vec3 wo = p.wo * frame;
 #ifdef LOBE_clearcoat
-  params.clearcoat_normal = keep_reflection_outside(p.coat_normal, p.geometric, p.wo) * frame;
+  params.clearcoat_normal = normal_kept_outside(p.coat_normal, p.geometric, p.wo) * frame;
+#endif
+#ifdef HAS_TANGENT
+  fetch_directions(p.front_tangent, p.front_bitangent, frame, params);
 #endif
   Surface s = surface_prepare(params, wo);
   Shading h;
@@ -684,7 +664,8 @@ vec4 quantity(float opacity) {
 #elif SHOW == SHOW_facet
   return vec4(make_point(is_back).geometric, 1.0);
 #elif SHOW == SHOW_tangent
-  return vec4(make_point(is_back).tangent, 1.0);
+  Point p = make_point(is_back);
+  return vec4(anisotropy_direction(p.front_tangent, p.front_bitangent), 1.0);
 #elif SHOW == SHOW_uv
   return vec4(fract(v_uv.xy), 0.0, 1.0);
 #elif SHOW == SHOW_uv1
