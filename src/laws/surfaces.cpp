@@ -63,6 +63,12 @@ void with_sheen(SurfaceParams& p, float roughness) {
   p.sheen_roughness = roughness;
 }
 
+void with_fuzz(SurfaceParams& p, float roughness) {
+  p.lobes |= shade::kLobeFuzz;
+  p.fuzz = 1.0f;
+  p.fuzz_roughness = roughness;
+}
+
 void with_anisotropy(SurfaceParams& p) {
   p.lobes |= shade::kLobeAnisotropy;
   p.anisotropy = 0.7f;
@@ -389,10 +395,35 @@ void add_coats(Table& table) {
   }
 }
 
+/// KHR_materials_fuzz: alone it is a sheen, on a coat it dims that too.
+void add_fuzz(Table& table) {
+  for (const float metallic : {0.0f, 1.0f}) {
+    const std::string matter = metallic > 0.0f ? " on metal" : " on dielectric";
+    for (const float roughness : {0.2f, 0.5f, 1.0f}) {
+      SurfaceParams p = white(metallic);
+      with_fuzz(p, roughness);
+      table.add("fuzz of roughness " + number(roughness) + matter, p, {}, true);
+    }
+    SurfaceParams coated = white(metallic);
+    with_fuzz(coated, 0.4f);
+    with_coat(coated, 0.1f);
+    table.add("fuzz on a coat" + matter, coated, {true, true, 0.085, 0.015}, true);
+    SurfaceParams soot = white(metallic);
+    with_fuzz(soot, 0.8f);
+    soot.fuzz = 0.7f;
+    soot.fuzz_color = vec3(0.0f, 0.01f, 0.02f);
+    table.add("soot" + matter, soot, {true, false, 1.0, 0.005}, true);
+    SurfaceParams tilted = coated;
+    tilted.clearcoat_normal = glm::normalize(vec3(0.2f, -0.1f, 1.0f));
+    table.add("fuzz on a coat with a normal of its own" + matter, tilted, {false, false, 1.0, 0.2}, true);
+  }
+}
+
 /// Extensions that are no ratified part of glTF yet. Below all others, so that laws which take every third row keep
 /// theirs.
 void add_drafts(Table& table) {
   add_coats(table);
+  add_fuzz(table);
   for (const float metallic : {0.0f, 1.0f}) {
     const std::string matter = metallic > 0.0f ? "metal" : "dielectric";
     for (const float share : {0.5f, 1.0f}) {

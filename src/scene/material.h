@@ -103,6 +103,14 @@ struct Material {
   float retroreflection = 0.0f;
   TextureSlot retroreflection_texture;  ///< R
 
+  // KHR_materials_fuzz (draft): fibres on top of everything, in place of a sheen
+  float fuzz = 0.0f;
+  vec3 fuzz_color{1.0f};
+  float fuzz_roughness = 0.5f;
+  TextureSlot fuzz_texture;            ///< R
+  TextureSlot fuzz_color_texture;      ///< sRGB
+  TextureSlot fuzz_roughness_texture;  ///< A
+
   // KHR_materials_diffuse_roughness (draft): 0 = Lambert's diffuse layer, 1 = facets that stand every way
   float diffuse_roughness = 0.0f;
   TextureSlot diffuse_roughness_texture;  ///< R

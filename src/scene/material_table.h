@@ -67,6 +67,7 @@ inline constexpr auto kUnratifiedExtensions = std::to_array<UnratifiedExtension>
     {"KHR_materials_clearcoat_darkening", "a draft"},
     {"KHR_materials_clearcoat_ior", "a draft"},
     {"KHR_materials_diffuse_roughness", "a draft"},
+    {"KHR_materials_fuzz", "a draft"},
     {"KHR_materials_retroreflection", "a release candidate, not ratified"},
 });
 
@@ -104,6 +105,7 @@ inline constexpr std::string_view kAnisotropyPlace = "extensions/KHR_materials_a
 inline constexpr std::string_view kIridescencePlace = "extensions/KHR_materials_iridescence";
 inline constexpr std::string_view kTransmissionPlace = "extensions/KHR_materials_transmission";
 inline constexpr std::string_view kVolumePlace = "extensions/KHR_materials_volume";
+inline constexpr std::string_view kFuzzPlace = "extensions/KHR_materials_fuzz";
 inline constexpr std::string_view kRetroreflectionPlace = "extensions/KHR_materials_retroreflection";
 inline constexpr std::string_view kDiffuseRoughnessPlace = "extensions/KHR_materials_diffuse_roughness";
 inline constexpr std::string_view kDiffuseTransmissionPlace = "extensions/KHR_materials_diffuse_transmission";
@@ -148,6 +150,9 @@ inline constexpr auto kTextureRows = [] {
        color},
       {"diffuse_roughness", &M::diffuse_roughness_texture, {kDiffuseRoughnessPlace, "diffuseRoughnessTexture"}, data},
       {"retroreflection", &M::retroreflection_texture, {kRetroreflectionPlace, "retroreflectionTexture"}, data},
+      {"fuzz", &M::fuzz_texture, {kFuzzPlace, "fuzzTexture"}, data},
+      {"fuzz_color", &M::fuzz_color_texture, {kFuzzPlace, "fuzzColorTexture"}, color},
+      {"fuzz_roughness", &M::fuzz_roughness_texture, {kFuzzPlace, "fuzzRoughnessTexture"}, alpha},
       {"scatter_strength", &M::scatter_strength_texture, {kSpecialPlace, "scatterStrengthTexture"}, alpha},
       {"multiscatter_color", &M::multiscatter_color_texture, {kSpecialPlace, "multiscatterColorTexture"}, color},
       {"specular_glossiness", &M::specular_glossiness_texture, {kSpecialPlace, "specularGlossinessTexture"}, color},
@@ -236,6 +241,7 @@ inline constexpr auto kLobes = std::to_array<LobeRow>({
     {shade::kLobeDiffuseTransmission, "diffuse transmission", "diffuse_transmission"},
     {shade::kLobeDiffuseRoughness, "diffuse roughness", "diffuse_roughness"},
     {shade::kLobeRetroreflection, "retroreflection", "retroreflection"},
+    {shade::kLobeFuzz, "fuzz", "fuzz"},
 });
 
 /// The lobe that alone reads a property.
@@ -407,6 +413,12 @@ inline constexpr auto kMaterialProperties = [] {
       Row("retroreflection", &M::retroreflection, {kRetroreflectionPlace, "retroreflectionFactor"}, kUnit,
           {&M::retroreflection_texture, red}, {kLobeRetroreflection, kSwitch}, &P::retroreflection,
           "share of what facets reflect that returns to where it came from"),
+      Row("fuzz", &M::fuzz, {kFuzzPlace, "fuzzFactor"}, kUnit, {&M::fuzz_texture, red}, {kLobeFuzz, kSwitch}, &P::fuzz,
+          "weight of fibres above everything"),
+      Row("fuzz_color", &M::fuzz_color, {kFuzzPlace, "fuzzColorFactor"}, kUnit, {&M::fuzz_color_texture, rgb},
+          {kLobeFuzz}, &P::fuzz_color, "of these fibres"),
+      Row("fuzz_roughness", &M::fuzz_roughness, {kFuzzPlace, "fuzzRoughnessFactor"}, kUnit,
+          {&M::fuzz_roughness_texture, alpha}, {kLobeFuzz}, &P::fuzz_roughness, "how far they stray"),
       Row("sheet_scatter", &M::sheet_scatter, kSpecial, kUnit, {&M::scatter_strength_texture, alpha},
           {kLobeDiffuseTransmission}, {&P::scatter, "scatter"}, "share of what a sheet transmits that is scattered"),
       Row("multiscatter_color", &M::multiscatter_color, kSpecial, kUnit, {&M::multiscatter_color_texture, rgb},

@@ -6,6 +6,7 @@
 #include "shade/lobe_conductor.glsl.h"
 #include "shade/lobe_diffuse_roughness.glsl.h"
 #include "shade/lobe_diffuse_transmission.glsl.h"
+#include "shade/lobe_fuzz.glsl.h"
 #include "shade/lobe_iridescence.glsl.h"
 #include "shade/lobe_retroreflection.glsl.h"
 #include "shade/lobe_sheen.glsl.h"
@@ -14,7 +15,8 @@
 
 // The base with what may lie above and below it:
 //
-//     coat ─ sheen ─ base = metallic · metal + (1 - metallic) · (transmission · glass + (1 - transmission) · opaque)
+//     fuzz ─ coat ─ sheen ─ base = metallic · metal + (1 - metallic) · (transmission · glass + (1 - transmission) ·
+//     opaque)
 //
 // Every weight mixes whole BSDFs, each of which keeps energy by itself. Here is their order; what each is, is in its
 // own file: lobe_….glsl.h, and layers_above.glsl.h for how those above dim those below.
@@ -96,6 +98,7 @@ SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec
   if (s.has_film_below) iridescence_prepare(wo, ab, mean, s);
   if ((s.lobes & kLobeClearcoat) != 0) coat_prepare(p, wo, s);
   if ((s.lobes & kLobeSheen) != 0) sheen_prepare(p, s);
+  if ((s.lobes & kLobeFuzz) != 0) fuzz_prepare(p, s);
   glass_prepare(wo, s);
   rough_diffuse_prepare(ab, mean, s);
 

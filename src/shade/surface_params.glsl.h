@@ -19,9 +19,10 @@ SHADE_CONST int kLobeSheen = 64;
 SHADE_CONST int kLobeClearcoat = 128;
 SHADE_CONST int kLobeDiffuseRoughness = 256;
 SHADE_CONST int kLobeRetroreflection = 512;
+SHADE_CONST int kLobeFuzz = 1024;
 
 // Lobes that have something in common: fibres above the base, and a curve of reflectance of their own.
-SHADE_CONST int kLobesOfFibres = kLobeSheen;
+SHADE_CONST int kLobesOfFibres = kLobeSheen | kLobeFuzz;
 SHADE_CONST int kLobesOfFresnel = kLobeModel | kLobeConductor | kLobeIridescence;
 
 /// What textures and factors say at one point, before any physics. Linear Rec.709.
@@ -67,6 +68,10 @@ struct SurfaceParams {
   float diffuse_roughness;
 
   float retroreflection;  ///< share of what opaque facets reflect that returns to where it came from
+
+  float fuzz;  ///< weight of fibres above everything
+  vec3 fuzz_color;
+  float fuzz_roughness;
 };
 
 /// The closure: what eval, sample and pdf need, computed once per hit for one viewing direction.
@@ -257,6 +262,9 @@ SHADE_FN SurfaceParams surface_params_default() {
   p.clearcoat_darkening = 0.0f;
   p.diffuse_roughness = 0.0f;
   p.retroreflection = 0.0f;
+  p.fuzz = 0.0f;
+  p.fuzz_color = vec3(1.0f);
+  p.fuzz_roughness = 0.5f;
   return p;
 }
 

@@ -89,7 +89,7 @@ Domain often_up(const Domain& rest) {
 }
 
 /// A set of lobes: each bit of kLobe… by chance, those of `always` always.
-Domain lobes(int always = 0, int possible = 2 * shade::kLobeRetroreflection - 1) {
+Domain lobes(int always = 0, int possible = 2 * shade::kLobeFuzz - 1) {
   return [=](Pcg32& random, float* x, int) {
     // Every sixteenth has none, as most materials.
     const bool none = random.next_float() < 1.0f / 16.0f;
@@ -122,7 +122,10 @@ const std::vector<Row>& rows() {
   static const std::vector<Row> kRows = {
       // ----- a lobe's own functions, for surfaces that have it
       {"coat_*:s/*p.lobes", lobes(shade::kLobeClearcoat)},
+      {"sheen_over_coat*:s/*p.lobes", lobes(shade::kLobeFuzz | shade::kLobeClearcoat)},
+      {"sheen_*_on_top:s/*p.lobes", lobes(shade::kLobeFuzz)},
       {"sheen_*:s/*p.lobes", lobes(shade::kLobeSheen)},
+      {"fuzz_*:s/*p.lobes", lobes(shade::kLobeClearcoat)},
       {"glass_*:s/*p.lobes", lobes(shade::kLobeTransmission)},
       {"below_*:s/*p.lobes", lobes(shade::kLobeDiffuseTransmission)},
       {"below_*:at/*p.lobes", lobes(shade::kLobeClearcoat)},

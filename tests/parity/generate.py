@@ -32,7 +32,7 @@ for size in (2, 3, 4):
 SOMETIMES = {
     "Surface": [
         (r"conductor_.*", "({s}.lobes & kLobeConductor) != 0"),
-        (r"sheen_alpha|sheen_roughness", "({s}.lobes & kLobeSheen) != 0"),
+        (r"sheen_alpha|sheen_roughness", "({s}.lobes & kLobesOfFibres) != 0"),
         (r"film_(beyond|escape|below_scale)", "{s}.lobes != 0 && {s}.has_film_below"),
         (r"diffuse_balance_.*", "({s}.lobes & kLobeDiffuseRoughness) != 0 && {s}.diffuse_roughness > 0.0f"),
         (r"coat_(color|darkening|tint_o)", "({s}.lobes & kLobeClearcoat) != 0 && !{s}.is_coat_clear"),

@@ -44,6 +44,8 @@ const NumberCase kNumbers[] = {
     {"KHR_materials_volume", "attenuationDistance", &Material::attenuation_distance, kUnlimited, 1e-9f, kUnlimited},
     {"KHR_materials_dispersion", "dispersion", &Material::dispersion, 0, 0, 1e3f},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", &Material::diffuse_transmission, 0, 0, 1},
+    {"KHR_materials_fuzz", "fuzzFactor", &Material::fuzz, 0, 0, 1},
+    {"KHR_materials_fuzz", "fuzzRoughnessFactor", &Material::fuzz_roughness, 0.5f, 0, 1},
     {"KHR_materials_retroreflection", "retroreflectionFactor", &Material::retroreflection, 0, 0, 1},
     {"KHR_materials_diffuse_roughness", "diffuseRoughnessFactor", &Material::diffuse_roughness, 0, 0, 1},
     {"KHR_materials_volume_scatter", "scatterAnisotropy", &Material::scatter_anisotropy, 0, -0.999f, 0.999f},
@@ -62,6 +64,7 @@ struct ColorCase {
 const ColorCase kColors[] = {
     {"KHR_materials_specular", "specularColorFactor", &Material::specular_color, 1, 0, kUnlimited},
     {"KHR_materials_sheen", "sheenColorFactor", &Material::sheen_color, 0},
+    {"KHR_materials_fuzz", "fuzzColorFactor", &Material::fuzz_color, 1},
     {"KHR_materials_volume", "attenuationColor", &Material::attenuation_color, 1, kTiny},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", &Material::diffuse_transmission_color, 1},
     {"KHR_materials_volume_scatter", "multiscatterColor", &Material::multiscatter_color, 0},
@@ -192,6 +195,19 @@ TEST(unit_io_gltf_layers, the_coats_normal_has_a_scale) {
   const Material m = load(b).scene.materials.at(0);
   EXPECT_EQ(m.clearcoat_normal_scale, -3);
   EXPECT_EQ(m.normal_scale, 1);
+}
+
+TEST(unit_io_gltf_layers, a_sheen_beside_fuzz_is_for_others) {
+  const auto sheen_beside = [](const json& others) {
+    json material = extended("KHR_materials_sheen", {{"sheenColorFactor", {1, 1, 1}}});
+    material["extensions"].update(others);
+    const Loaded loaded = load(with_material(material));
+    EXPECT_TRUE(loaded.warnings.empty());
+    return loaded.scene.materials.at(0).sheen_color;
+  };
+  EXPECT_EQ(sheen_beside(json::object()), vec3(1.0f));
+  EXPECT_EQ(sheen_beside({{"KHR_materials_fuzz", {{"fuzzFactor", 0.5}}}}), vec3(0.0f));
+  EXPECT_EQ(sheen_beside({{"KHR_materials_fuzz", json::object()}}), vec3(0.0f));
 }
 
 TEST(unit_io_gltf_layers, what_drafts_add_to_the_coat_stands_within_it) {
