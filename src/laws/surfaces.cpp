@@ -395,6 +395,29 @@ void add_coats(Table& table) {
   }
 }
 
+/// EXT_materials_specular_edge_color.
+void add_edge_colors(Table& table) {
+  for (const float metallic : {0.0f, 0.5f, 1.0f}) {
+    const std::string name = "edge color, metallic " + number(metallic);
+    SurfaceParams p = white(metallic);
+    p.lobes = shade::kLobeEdgeColor;
+    table.add("white " + name, p, {}, true);
+    p.specular_color = vec3(1.0f, 0.3f, 0.0f);
+    p.base_color = vec3(0.9f, 0.8f, 0.5f);
+    table.add("red " + name, p, {true, false, 1.0, 0.005}, true);
+    p.specular_color = vec3(4.0f, 1.0f, 0.5f);
+    p.ior = 1.8f;
+    table.add("bright " + name, p, {true, false, 1.0, 0.005}, true);
+    with_coat(p, 0.2f);
+    table.add("coated " + name, p, {true, false, 1.0, 0.015}, false);
+  }
+  SurfaceParams glass = white(0.0f);
+  with_glass(glass, Glass::outside);
+  glass.lobes |= shade::kLobeEdgeColor;
+  glass.specular_color = vec3(1.0f, 0.3f, 0.0f);
+  table.add("glass of an edge color", glass, {true, false, 1.0, 0.005}, true);
+}
+
 /// KHR_materials_fuzz: alone it is a sheen, on a coat it dims that too.
 void add_fuzz(Table& table) {
   for (const float metallic : {0.0f, 1.0f}) {
@@ -424,6 +447,7 @@ void add_fuzz(Table& table) {
 void add_drafts(Table& table) {
   add_coats(table);
   add_fuzz(table);
+  add_edge_colors(table);
   for (const float metallic : {0.0f, 1.0f}) {
     const std::string matter = metallic > 0.0f ? "metal" : "dielectric";
     for (const float share : {0.5f, 1.0f}) {

@@ -50,6 +50,9 @@ struct Material {
   TextureSlot emissive_texture;        ///< sRGB
   TextureSlot specular_texture;        ///< A
   TextureSlot specular_color_texture;  ///< sRGB
+  /// EXT_materials_specular_edge_color (draft), 0 or 1: the specular colour tints a dielectric's reflection at every
+  /// angle, and a metal's near 82°.
+  float specular_edge_color = 0.0f;
 
   // KHR_materials_clearcoat
   float clearcoat = 0.0f;

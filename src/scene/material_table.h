@@ -62,6 +62,7 @@ struct UnratifiedExtension {
   std::string_view why;
 };
 inline constexpr auto kUnratifiedExtensions = std::to_array<UnratifiedExtension>({
+    {"EXT_materials_specular_edge_color", "a draft"},
     {"KHR_materials_diffuse_transmission", "a release candidate, not ratified"},
     {"KHR_materials_clearcoat_color", "a draft"},
     {"KHR_materials_clearcoat_darkening", "a draft"},
@@ -242,6 +243,7 @@ inline constexpr auto kLobes = std::to_array<LobeRow>({
     {shade::kLobeDiffuseRoughness, "diffuse roughness", "diffuse_roughness"},
     {shade::kLobeRetroreflection, "retroreflection", "retroreflection"},
     {shade::kLobeFuzz, "fuzz", "fuzz"},
+    {shade::kLobeEdgeColor, "specular edge color", "edge_color"},
 });
 
 /// The lobe that alone reads a property.
@@ -342,6 +344,12 @@ inline constexpr auto kMaterialProperties = [] {
           &P::specular, "weight of the dielectric's boundary"),
       Row("specular_color", &M::specular_color, {kSpecularPlace, "specularColorFactor"}, kNotNegative,
           {&M::specular_color_texture, rgb}, kBase, &P::specular_color, "of its F0"),
+
+      Row("specular_edge_color", &M::specular_edge_color,
+          JsonSource{"extensions/KHR_materials_specular/extensions/EXT_materials_specular_edge_color",
+                     "specularEdgeColorEnabled"}
+              .flag(),
+          kUnit, kNoTexture, {kLobeEdgeColor, kSwitch}, kNoParam, "1: the specular colour is that of the whole lobe"),
 
       Row("clearcoat", &M::clearcoat, {kClearcoatPlace, "clearcoatFactor"}, kUnit, {&M::clearcoat_texture, red},
           {kLobeClearcoat, kSwitch}, &P::clearcoat, "weight of the coat"),

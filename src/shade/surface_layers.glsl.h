@@ -6,6 +6,7 @@
 #include "shade/lobe_conductor.glsl.h"
 #include "shade/lobe_diffuse_roughness.glsl.h"
 #include "shade/lobe_diffuse_transmission.glsl.h"
+#include "shade/lobe_edge_color.glsl.h"
 #include "shade/lobe_fuzz.glsl.h"
 #include "shade/lobe_iridescence.glsl.h"
 #include "shade/lobe_retroreflection.glsl.h"
@@ -43,6 +44,7 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   retro_matter(p, s);
   glass_matter(p, s);
   below_matter(p, s);
+  edge_matter(p, s);
   iridescence_matter_on_top(p, s);
 }
 
@@ -94,6 +96,7 @@ SHADE_FN void layers_chances(vec3 wo, SHADE_INOUT(Surface) s) {
 SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec2 ab, vec2 mean,
                                          SHADE_INOUT(Surface) s) {
   if (!s.model.multiscatter) s.multiscatter = vec3(0.0f);
+  edge_prepare(p, wo, ab, mean, s);
   s.film_below_o = vec3(1.0f);
   if (s.has_film_below) iridescence_prepare(wo, ab, mean, s);
   if ((s.lobes & kLobeClearcoat) != 0) coat_prepare(p, wo, s);

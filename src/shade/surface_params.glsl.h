@@ -20,10 +20,11 @@ SHADE_CONST int kLobeClearcoat = 128;
 SHADE_CONST int kLobeDiffuseRoughness = 256;
 SHADE_CONST int kLobeRetroreflection = 512;
 SHADE_CONST int kLobeFuzz = 1024;
+SHADE_CONST int kLobeEdgeColor = 2048;  // the specular colour is that of the whole lobe
 
 // Lobes that have something in common: fibres above the base, and a curve of reflectance of their own.
 SHADE_CONST int kLobesOfFibres = kLobeSheen | kLobeFuzz;
-SHADE_CONST int kLobesOfFresnel = kLobeModel | kLobeConductor | kLobeIridescence;
+SHADE_CONST int kLobesOfFresnel = kLobeModel | kLobeConductor | kLobeIridescence | kLobeEdgeColor;
 
 /// What textures and factors say at one point, before any physics. Linear Rec.709.
 struct SurfaceParams {

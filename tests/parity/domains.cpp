@@ -89,7 +89,7 @@ Domain often_up(const Domain& rest) {
 }
 
 /// A set of lobes: each bit of kLobe… by chance, those of `always` always.
-Domain lobes(int always = 0, int possible = 2 * shade::kLobeFuzz - 1) {
+Domain lobes(int always = 0, int possible = 2 * shade::kLobeEdgeColor - 1) {
   return [=](Pcg32& random, float* x, int) {
     // Every sixteenth has none, as most materials.
     const bool none = random.next_float() < 1.0f / 16.0f;
@@ -125,6 +125,9 @@ const std::vector<Row>& rows() {
       {"sheen_over_coat*:s/*p.lobes", lobes(shade::kLobeFuzz | shade::kLobeClearcoat)},
       {"sheen_*_on_top:s/*p.lobes", lobes(shade::kLobeFuzz)},
       {"sheen_*:s/*p.lobes", lobes(shade::kLobeSheen)},
+      {"edge_*:s/*p.lobes", lobes(shade::kLobeEdgeColor)},
+      {"edge_*:s/*p.metallic", uniform(0.1f, 1.0f)},
+      {"edge_*:p.lobes", lobes(shade::kLobeEdgeColor)},
       {"fuzz_*:s/*p.lobes", lobes(shade::kLobeClearcoat)},
       {"glass_*:s/*p.lobes", lobes(shade::kLobeTransmission)},
       {"below_*:s/*p.lobes", lobes(shade::kLobeDiffuseTransmission)},

@@ -197,6 +197,17 @@ TEST(unit_io_gltf_layers, the_coats_normal_has_a_scale) {
   EXPECT_EQ(m.normal_scale, 1);
 }
 
+TEST(unit_io_gltf_layers, an_edge_color_is_switched_on_within_specular) {
+  const auto edge = [](const json& members) {
+    return material_of("KHR_materials_specular", {{"extensions", {{"EXT_materials_specular_edge_color", members}}}})
+        .specular_edge_color;
+  };
+  EXPECT_EQ(edge({{"specularEdgeColorEnabled", true}}), 1.0f);
+  EXPECT_EQ(edge({{"specularEdgeColorEnabled", false}}), 0.0f);
+  EXPECT_EQ(edge(json::object()), 0.0f);
+  EXPECT_THROW(edge({{"specularEdgeColorEnabled", 1}}), Error);
+}
+
 TEST(unit_io_gltf_layers, a_sheen_beside_fuzz_is_for_others) {
   const auto sheen_beside = [](const json& others) {
     json material = extended("KHR_materials_sheen", {{"sheenColorFactor", {1, 1, 1}}});
