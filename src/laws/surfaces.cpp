@@ -390,6 +390,14 @@ void add_coats(Table& table) {
     with_coat(dark, 0.1f);
     dark.clearcoat_darkening = 1.0f;
     table.add("coat that darkens white" + matter, dark, {}, true);
+    for (const float strength : {0.5f, 1.0f}) {
+      SurfaceParams streaked = white(metallic);
+      with_coat(streaked, 0.3f);
+      streaked.lobes |= shade::kLobeCoatAnisotropy;
+      streaked.clearcoat_anisotropy = strength;
+      streaked.clearcoat_direction = vec3(0.6f, 0.8f, 0.0f);
+      table.add("coat of anisotropy " + number(strength) + matter, streaked, {true, true, 0.03, 0.03}, true);
+    }
     dark.base_color = vec3(0.5f, 0.2f, 0.1f);
     table.add("coat that darkens" + matter, dark, {true, false, 1.0, 0.005}, true);
   }

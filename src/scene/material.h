@@ -67,6 +67,10 @@ struct Material {
   float clearcoat_darkening = 0.0f;         ///< how much counts of the light that its underside sends back down
   TextureSlot clearcoat_color_texture;      ///< sRGB
   TextureSlot clearcoat_darkening_texture;  ///< R
+  // KHR_materials_clearcoat_anisotropy (draft)
+  float clearcoat_anisotropy = 0.0f;
+  float clearcoat_anisotropy_rotation = 0.0f;  ///< radians, counter-clockwise from the tangent
+  TextureSlot clearcoat_anisotropy_texture;    ///< RG direction in [-1, 1], B strength
 
   // KHR_materials_sheen
   vec3 sheen_color{0.0f};

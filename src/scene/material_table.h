@@ -64,6 +64,7 @@ struct UnratifiedExtension {
 inline constexpr auto kUnratifiedExtensions = std::to_array<UnratifiedExtension>({
     {"EXT_materials_specular_edge_color", "a draft"},
     {"KHR_materials_diffuse_transmission", "a release candidate, not ratified"},
+    {"KHR_materials_clearcoat_anisotropy", "a draft"},
     {"KHR_materials_clearcoat_color", "a draft"},
     {"KHR_materials_clearcoat_darkening", "a draft"},
     {"KHR_materials_clearcoat_ior", "a draft"},
@@ -97,6 +98,8 @@ struct TextureRow {
 inline constexpr std::string_view kPbrPlace = "pbrMetallicRoughness";
 inline constexpr std::string_view kSpecularPlace = "extensions/KHR_materials_specular";
 inline constexpr std::string_view kClearcoatPlace = "extensions/KHR_materials_clearcoat";
+inline constexpr std::string_view kClearcoatAnisotropyPlace =
+    "extensions/KHR_materials_clearcoat/extensions/KHR_materials_clearcoat_anisotropy";
 inline constexpr std::string_view kClearcoatColorPlace =
     "extensions/KHR_materials_clearcoat/extensions/KHR_materials_clearcoat_color";
 inline constexpr std::string_view kClearcoatDarkeningPlace =
@@ -130,6 +133,10 @@ inline constexpr auto kTextureRows = [] {
       {"clearcoat_darkening",
        &M::clearcoat_darkening_texture,
        {kClearcoatDarkeningPlace, "clearcoatDarkeningTexture"},
+       data},
+      {"clearcoat_anisotropy",
+       &M::clearcoat_anisotropy_texture,
+       {kClearcoatAnisotropyPlace, "clearcoatAnisotropyTexture"},
        data},
       {"sheen_color", &M::sheen_color_texture, {kSheenPlace, "sheenColorTexture"}, color},
       {"sheen_roughness", &M::sheen_roughness_texture, {kSheenPlace, "sheenRoughnessTexture"}, alpha},
@@ -243,6 +250,7 @@ inline constexpr auto kLobes = std::to_array<LobeRow>({
     {shade::kLobeDiffuseRoughness, "diffuse roughness", "diffuse_roughness"},
     {shade::kLobeRetroreflection, "retroreflection", "retroreflection"},
     {shade::kLobeFuzz, "fuzz", "fuzz"},
+    {shade::kLobeCoatAnisotropy, "clearcoat anisotropy", "clearcoat_anisotropy"},
     {shade::kLobeEdgeColor, "specular edge color", "edge_color"},
 });
 
@@ -369,6 +377,13 @@ inline constexpr auto kMaterialProperties = [] {
           {&M::clearcoat_darkening_texture, red}, {kLobeClearcoat}, &P::clearcoat_darkening,
           "how much counts of what the coat sends back down"),
 
+      Row("clearcoat_anisotropy", &M::clearcoat_anisotropy, {kClearcoatAnisotropyPlace, "clearcoatAnisotropyStrength"},
+          kUnit, {&M::clearcoat_anisotropy_texture, blue}, {kLobeCoatAnisotropy, kSwitch}, &P::clearcoat_anisotropy,
+          "how much wider the coat's lobe is along its direction"),
+      Row("clearcoat_anisotropy_rotation", &M::clearcoat_anisotropy_rotation,
+          {kClearcoatAnisotropyPlace, "clearcoatAnisotropyRotation"}, kFinite, {&M::clearcoat_anisotropy_texture},
+          {kLobeCoatAnisotropy}, kNoParam, "of that direction, from the tangent"),
+
       Row("sheen_color", &M::sheen_color, {kSheenPlace, "sheenColorFactor"}, kUnit, {&M::sheen_color_texture, rgb},
           {kLobeSheen, kSwitch}, &P::sheen_color, "of the fibres"),
       Row("sheen_roughness", &M::sheen_roughness, {kSheenPlace, "sheenRoughnessFactor"}, kUnit,
@@ -455,6 +470,8 @@ struct DirectionRow {
 
 inline constexpr auto kDirectionRows = std::to_array<DirectionRow>({
     {&Material::anisotropy_rotation, &Material::anisotropy_texture, shade::kLobeAnisotropy, nullptr, {}},
+    {&Material::clearcoat_anisotropy_rotation, &Material::clearcoat_anisotropy_texture, shade::kLobeCoatAnisotropy,
+     &shade::SurfaceParams::clearcoat_direction, "clearcoat_direction"},
 });
 
 /// Whether the texels of a slot say a direction, whatever else they say.

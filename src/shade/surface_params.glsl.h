@@ -21,6 +21,7 @@ SHADE_CONST int kLobeDiffuseRoughness = 256;
 SHADE_CONST int kLobeRetroreflection = 512;
 SHADE_CONST int kLobeFuzz = 1024;
 SHADE_CONST int kLobeEdgeColor = 2048;  // the specular colour is that of the whole lobe
+SHADE_CONST int kLobeCoatAnisotropy = 4096;
 
 // Lobes that have something in common: fibres above the base, and a curve of reflectance of their own.
 SHADE_CONST int kLobesOfFibres = kLobeSheen | kLobeFuzz;
@@ -61,10 +62,12 @@ struct SurfaceParams {
 
   float clearcoat;
   float clearcoat_roughness;
-  vec3 clearcoat_normal;      ///< local
-  float clearcoat_ior;        ///< 0: it reflects all
-  vec3 clearcoat_color;       ///< what it leaves of white light that crosses it twice at normal incidence
-  float clearcoat_darkening;  ///< how much counts of the light that its underside sends back down
+  vec3 clearcoat_normal;       ///< local
+  float clearcoat_ior;         ///< 0: it reflects all
+  vec3 clearcoat_color;        ///< what it leaves of white light that crosses it twice at normal incidence
+  float clearcoat_darkening;   ///< how much counts of the light that its underside sends back down
+  float clearcoat_anisotropy;  ///< strength
+  vec3 clearcoat_direction;    ///< local, in which the coat's lobe is wide
 
   float diffuse_roughness;
 
@@ -158,6 +161,7 @@ struct Surface {
 
   float coat;  ///< weight
   float coat_alpha;
+  vec2 coat_widths;  ///< alphas along the coat's tangent and across it
   float coat_roughness;
   bool is_coat_mirror;
   vec3 coat_normal;
@@ -261,6 +265,8 @@ SHADE_FN SurfaceParams surface_params_default() {
   p.clearcoat_ior = kCoatIndex;
   p.clearcoat_color = vec3(1.0f);
   p.clearcoat_darkening = 0.0f;
+  p.clearcoat_anisotropy = 0.0f;
+  p.clearcoat_direction = vec3(1.0f, 0.0f, 0.0f);
   p.diffuse_roughness = 0.0f;
   p.retroreflection = 0.0f;
   p.fuzz = 0.0f;

@@ -89,7 +89,7 @@ Domain often_up(const Domain& rest) {
 }
 
 /// A set of lobes: each bit of kLobe… by chance, those of `always` always.
-Domain lobes(int always = 0, int possible = 2 * shade::kLobeEdgeColor - 1) {
+Domain lobes(int always = 0, int possible = 2 * shade::kLobeCoatAnisotropy - 1) {
   return [=](Pcg32& random, float* x, int) {
     // Every sixteenth has none, as most materials.
     const bool none = random.next_float() < 1.0f / 16.0f;
@@ -248,6 +248,8 @@ const std::vector<Row>& rows() {
       {"SurfaceParams.clearcoat_ior", often(1.5f, uniform(1.0f, 2.5f))},
       {"SurfaceParams.clearcoat_color", often(1.0f, uniform(0.1f, 1.0f))},
       {"SurfaceParams.clearcoat_darkening", often(0.0f, uniform(0.0f, 1.0f))},
+      {"SurfaceParams.clearcoat_anisotropy", often(0.0f, uniform(0.0f, 1.0f))},
+      {"SurfaceParams.clearcoat_direction", direction(-0.5f, 0.5f)},
       {"SurfaceParams.retroreflection", uniform(0.0f, 1.0f)},
       {"SurfaceParams.eta", magnitude(0.4f, 2.5f)},
       {"SurfaceParams.clearcoat_normal", often_up(direction(0.3f, 1.0f))},

@@ -208,6 +208,21 @@ TEST(unit_io_gltf_layers, an_edge_color_is_switched_on_within_specular) {
   EXPECT_THROW(edge({{"specularEdgeColorEnabled", 1}}), Error);
 }
 
+TEST(unit_io_gltf_layers, textures_of_fuzz_and_of_a_streaked_coat_arrive) {
+  const auto texture = [](int index) { return json{{"index", index}}; };
+  const json fuzz = {
+      {"fuzzTexture", texture(0)}, {"fuzzColorTexture", texture(1)}, {"fuzzRoughnessTexture", texture(2)}};
+  const json streaks = {{"clearcoatAnisotropyTexture", texture(3)}};
+  const json coat = {{"extensions", {{"KHR_materials_clearcoat_anisotropy", streaks}}}};
+  Builder b = with_material({{"extensions", {{"KHR_materials_fuzz", fuzz}, {"KHR_materials_clearcoat", coat}}}});
+  for (int i = 0; i < 4; ++i) add_texture(b);
+  const Material m = load(b).scene.materials.at(0);
+  EXPECT_EQ(m.fuzz_texture.texture, 0);
+  EXPECT_EQ(m.fuzz_color_texture.texture, 1);
+  EXPECT_EQ(m.fuzz_roughness_texture.texture, 2);
+  EXPECT_EQ(m.clearcoat_anisotropy_texture.texture, 3);
+}
+
 TEST(unit_io_gltf_layers, a_sheen_beside_fuzz_is_for_others) {
   const auto sheen_beside = [](const json& others) {
     json material = extended("KHR_materials_sheen", {{"sheenColorFactor", {1, 1, 1}}});
@@ -230,6 +245,11 @@ TEST(unit_io_gltf_layers, what_drafts_add_to_the_coat_stands_within_it) {
   EXPECT_EQ(coat("KHR_materials_clearcoat_color", {{"clearcoatColorFactor", {0.5, 0.25, 1}}}).clearcoat_color,
             vec3(0.5f, 0.25f, 1.0f));
   EXPECT_EQ(coat("KHR_materials_clearcoat_darkening", {{"clearcoatDarkeningFactor", 0.25}}).clearcoat_darkening, 0.25f);
+  const Material streaked = coat("KHR_materials_clearcoat_anisotropy",
+                                 {{"clearcoatAnisotropyStrength", 0.75}, {"clearcoatAnisotropyRotation", 1.5}});
+  EXPECT_EQ(streaked.clearcoat_anisotropy, 0.75f);
+  EXPECT_EQ(streaked.clearcoat_anisotropy_rotation, 1.5f);
+  EXPECT_EQ(coat("KHR_materials_clearcoat_anisotropy", json::object()).clearcoat_anisotropy, 0.0f);
   // The ratified coat does not darken; one that names the draft does, unless it says by how much.
   EXPECT_EQ(coat("KHR_materials_clearcoat_darkening", json::object()).clearcoat_darkening, 1.0f);
   EXPECT_EQ(material_of("KHR_materials_clearcoat", json::object()).clearcoat_darkening, 0.0f);
