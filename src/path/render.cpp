@@ -185,8 +185,7 @@ void Picture::Impl::find_start() {
   }
   // Elsewhere the first surface of the layers is that of the path.
   const bool is_by_chance = geometry_.has_blends() || !context_.start.empty() || context_.eye_is_wide;
-  context_.has_first_surface =
-      is_by_chance && (settings_.layers.contains(Layer::albedo) || settings_.layers.contains(Layer::normal));
+  context_.has_first_surface = is_by_chance && count_mean_layers(settings_.layers) > 0;
 }
 
 void Picture::Impl::render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t last_sample, RayCounts& counts,

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "image/develop.h"
 #include "math/types.h"
 #include "shade/color.glsl.h"
 #include "shade/tonemap.glsl.h"
@@ -10,8 +12,11 @@
 namespace candela {
 namespace {
 
-constexpr int kCurves[] = {shade::kTonePbrNeutral, shade::kToneAgx,         shade::kToneAces,
-                           shade::kToneReinhard,   shade::kToneExponential, shade::kToneLinear};
+const std::vector<int> kCurves = [] {
+  std::vector<int> curves;
+  for (const ToneCurveInfo& info : kToneCurves) curves.push_back(static_cast<int>(info.curve));
+  return curves;
+}();
 
 void expect_near(vec3 a, vec3 b, float tolerance) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "channel " << c;
@@ -29,6 +34,14 @@ TEST(unit_image_tonemap, srgb_encoding_has_the_values_of_the_standard) {
   }
   EXPECT_NEAR(shade::color_luminance(vec3(1.0f)), 1.0f, 1e-6f);
   EXPECT_NEAR(shade::color_luminance(vec3(0.0f, 1.0f, 0.0f)), 0.7152f, 1e-6f);
+}
+
+TEST(unit_image_tonemap, pictures_and_shaders_have_the_same_curves) {
+  for (const ToneCurveInfo& info : kToneCurves) {
+    for (const vec3 c : {vec3(0.01f, 0.2f, 0.7f), vec3(3.0f, 0.5f, 0.1f)}) {
+      EXPECT_EQ(info.function(c), shade::tone_map(static_cast<int>(info.curve), c)) << info.name;
+    }
+  }
 }
 
 TEST(unit_image_tonemap, every_curve_keeps_black_and_stays_in_the_display_range) {
