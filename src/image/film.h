@@ -15,11 +15,12 @@ namespace candela {
 
 /// What a film can hold beside the picture. All linear, none filtered by exposure or tone curve.
 enum class Layer {
-  albedo,    ///< RGB, directional reflectance of the first hit
-  normal,    ///< XYZ world space shading normal, unit or 0 where nothing was hit
-  depth,     ///< metres along the ray from the camera (not its z), +inf where nothing was hit
-  position,  ///< XYZ world space, metres
-  object_id  ///< 1 + number of the node of the first hit, 0 = background
+  albedo,      ///< RGB, directional reflectance of the first hit
+  normal,      ///< XYZ world space shading normal, unit or 0 where nothing was hit
+  base_color,  ///< RGB, what its material says, textures and vertex colours included; 0 where nothing was hit
+  depth,       ///< metres along the ray from the camera (not its z), +inf where nothing was hit
+  position,    ///< XYZ world space, metres
+  object_id    ///< 1 + number of the node of the first hit, 0 = background
 };
 
 /// What a layer is. A new one is a value of the enum, a row here, and what the path tracer makes of the first hit; the
@@ -34,6 +35,7 @@ struct LayerInfo {
 inline constexpr auto kLayers = std::to_array<LayerInfo>({
     {Layer::albedo, "albedo", "RGB", true, 1.0f},
     {Layer::normal, "normal", "RGB", true, 0.0f},
+    {Layer::base_color, "base-color", "RGB", true, 0.0f},
     {Layer::depth, "depth", "Z", false, kInfinity},
     {Layer::position, "position", "RGB", false, 0.0f},
     {Layer::object_id, "id", "Y", false, 0.0f},

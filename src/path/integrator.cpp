@@ -38,6 +38,7 @@ PathSample background_sample(const PathContext& context, vec3 direction) {
 
 void record_first_surface(const SurfacePoint& point, PathSample& sample) {
   sample.of(Layer::normal) = point.frame.n;
+  sample.of(Layer::base_color) = point.is_unlit ? point.emission : shade::surface_base_color(point.surface);
   sample.of(Layer::albedo) = point.is_unlit || max_component(point.emission) > 0.0f
                                  ? vec3(1.0f)
                                  : glm::min(shade::surface_albedo(point.surface), vec3(1.0f));

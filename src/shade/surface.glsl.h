@@ -72,6 +72,9 @@ SHADE_FN vec3 surface_straight(SHADE_IN(Surface) s, vec3 wo) {
   return layers_straight(s, wo);
 }
 
+/// What it was made of.
+SHADE_FN vec3 surface_base_color(SHADE_IN(Surface) s) { return s.lobes != 0 ? s.diffuse_color : s.f0_metal; }
+
 /// Reflectance estimate for the film's albedo layer: what a denoiser should divide out.
 SHADE_FN vec3 surface_albedo(SHADE_IN(Surface) s) {
   if (s.lobes != 0) return layers_albedo(s, s.specular_albedo_o);

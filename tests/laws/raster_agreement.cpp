@@ -458,7 +458,8 @@ TEST_F(law_raster, layers_are_those_of_the_path_tracer) {
   b.add(box({0.8f, -0.5f, -0.5f}, {1.6f, 0.5f, 0.5f}), metal({0.9f, 0.6f, 0.3f}, 0.3f));
   path::Settings traced = centred(kSize, 1, 1);
   raster::Settings settings = drawn(kSize);
-  traced.layers = settings.layers = {Layer::albedo, Layer::normal, Layer::depth, Layer::position, Layer::object_id};
+  for (const LayerInfo& info : kLayers) traced.layers.insert(info.layer);
+  settings.layers = traced.layers;
   Scene scene = b.build();
   scene.nodes[0].file_index = 41;
   const Film expected = shoot(scene, constant_environment(vec3(1.0f)), sphere_view(), traced);

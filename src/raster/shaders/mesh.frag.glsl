@@ -679,7 +679,11 @@ vec4 quantity(float opacity) {
 #elif SHOW == SHOW_uv1
   return vec4(fract(v_uv.zw), 0.0, 1.0);
 #elif SHOW == SHOW_base_color
+#ifdef IS_UNLIT
   return vec4(fetch_base_color(), 1.0);
+#else
+  return vec4(fetch_params().base_color, 1.0);
+#endif
 #elif SHOW == SHOW_metallic
   return vec4(vec3(fetch_params().metallic), 1.0);
 #elif SHOW == SHOW_roughness
