@@ -18,6 +18,7 @@ enum class ToneCurve {
   reinhard = shade::kToneReinhard,
   exponential = shade::kToneExponential,
   linear = shade::kToneLinear,
+  hable = shade::kToneHable,
 };
 
 /// A new curve is its text in shade/tonemap.glsl.h, a value of the enum and a row here.
@@ -31,6 +32,7 @@ inline constexpr auto kToneCurves = std::to_array<ToneCurveInfo>({
     {ToneCurve::agx, "agx", shade::tone_agx},
     {ToneCurve::aces, "aces", shade::tone_aces},
     {ToneCurve::reinhard, "reinhard", shade::tone_reinhard},
+    {ToneCurve::hable, "hable", shade::tone_hable},
     {ToneCurve::exponential, "exponential", shade::tone_exponential},
     {ToneCurve::linear, "linear", shade::tone_linear},
 });

@@ -227,7 +227,8 @@ const std::vector<Row>& rows() {
       {"sky_*:source", magnitude(1e-3f, 1.0f)},
       {"srgb_*:linear", uniform(0.0f, 1.0f)},
       {"srgb_*:code", uniform(0.0f, 1.0f)},
-      {"tone_*:curve", whole(0, 6)},  // one more than there are
+      {"tone_*:curve", whole(0, 7)},  // one more than there are
+      {"tone_hable_curve:x", magnitude(1e-3f, 1e3f)},
       {"tone_agx_contrast:x", uniform(0.0f, 1.0f)},
       {"tone_*:color", magnitude(1e-4f, 1e3f)},
 

@@ -125,6 +125,18 @@ TEST(unit_image_tonemap, aces_has_the_values_of_the_fit) {
   expect_near(shade::tone_aces(vec3(1.0f, 0.0f, 0.0f)), vec3(0.688028f, 0.0f, 0.002639f), 1e-5f);
 }
 
+TEST(unit_image_tonemap, hable_has_the_values_of_the_printed_formula) {
+  const auto printed = [](double x) {
+    const double a = 0.15, b = 0.5, c = 0.1, d = 0.2, e = 0.02, f = 0.3;
+    return (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f;
+  };
+  for (const double v : {0.001, 0.18, 1.0, 3.0}) {
+    const auto expected = static_cast<float>(printed(2.0 * v) / printed(11.2));
+    expect_near(shade::tone_hable(vec3(static_cast<float>(v))), vec3(expected), 1e-6f);
+  }
+  EXPECT_EQ(shade::tone_hable(vec3(5.6f)), vec3(1.0f));
+}
+
 TEST(unit_image_tonemap, simple_curves_are_what_they_say) {
   expect_near(shade::tone_reinhard(vec3(1.0f, 3.0f, 0.25f)), vec3(0.5f, 0.75f, 0.2f), 1e-6f);
   expect_near(shade::tone_exponential(vec3(1.0f, 0.5f, 0.0f)), vec3(0.63212056f, 0.39346934f, 0.0f), 1e-6f);
