@@ -232,6 +232,10 @@ const std::vector<Row>& rows() {
       {"tone_agx_contrast:x", uniform(0.0f, 1.0f)},
       {"tone_*:color", magnitude(1e-4f, 1e3f)},
 
+      {"PunctualLamp.kind", whole(0, 1)},
+      {"PunctualLamp.falloff", whole(0, 3)},
+      {"PunctualLamp.direction", direction(-1.0f, 1.0f)},
+
       // ----- members
       {"ShadingModel.distribution", whole(0, 3)},
       {"ShadingModel.masking", whole(0, 5)},
