@@ -396,7 +396,7 @@ void add_coats(Table& table) {
       streaked.lobes |= shade::kLobeCoatAnisotropy;
       streaked.clearcoat_anisotropy = strength;
       streaked.clearcoat_direction = vec3(0.6f, 0.8f, 0.0f);
-      table.add("coat of anisotropy " + number(strength) + matter, streaked, {true, true, 0.03, 0.03}, true);
+      table.add("coat of anisotropy " + number(strength) + matter, streaked, {true, true, 0.005, 0.0175}, true);
     }
     dark.base_color = vec3(0.5f, 0.2f, 0.1f);
     table.add("coat that darkens" + matter, dark, {true, false, 1.0, 0.005}, true);
@@ -438,7 +438,7 @@ void add_fuzz(Table& table) {
     SurfaceParams coated = white(metallic);
     with_fuzz(coated, 0.4f);
     with_coat(coated, 0.1f);
-    table.add("fuzz on a coat" + matter, coated, {true, true, 0.085, 0.015}, true);
+    table.add("fuzz on a coat" + matter, coated, {true, true, 0.006, 0.0125}, true);
     SurfaceParams soot = white(metallic);
     with_fuzz(soot, 0.8f);
     soot.fuzz = 0.7f;
