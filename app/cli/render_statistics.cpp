@@ -72,6 +72,7 @@ std::string stats_json(const RenderOptions& o, const path::Statistics& s, const 
       {"cpu_s", cpu_seconds(usage)},
       {"peak_rss_mb", static_cast<double>(usage.ru_maxrss) / 1024.0},  // Linux counts kibibytes
       {"samples", s.samples},
+      {"spared_samples", s.spared_samples},
       {"msamples_per_s", s.render_s > 0.0 ? static_cast<double>(s.samples) / s.render_s * 1e-6 : 0.0},
       {"rays", {{"camera", s.camera_rays}, {"bounce", s.bounce_rays}, {"shadow", s.shadow_rays}}},
       {"non_finite_samples", s.non_finite_samples},

@@ -221,10 +221,11 @@ void check_texture_files(const CheckInput& input, std::vector<Finding>& findings
   if (input.survey == nullptr) return;
   const auto& used = input.extensions_used;
   const bool allows_astc = std::find(used.begin(), used.end(), "EXT_texture_astc") != used.end();
-  for (const auto& [image, places] : places_of_images(input.scene)) {
-    const auto index = static_cast<std::size_t>(image);
+  for (const auto& placed : places_of_images(input.scene)) {
+    const auto index = static_cast<std::size_t>(placed.first);
     if (index >= input.survey->images.size()) continue;
     const FileSurvey::Image& file = input.survey->images[index];
+    const auto& places = placed.second;
     if (!file.texture || !file.error.empty()) continue;
     // Once for an image: where it is a colour, else where it is more than alpha.
     const auto first = [&places](auto fits) { return std::find_if(places.begin(), places.end(), fits); };

@@ -118,6 +118,9 @@ std::vector<std::byte> DracoMesh::attribute(std::uint32_t id, int component_type
     throw Error(fmt::format("attribute {} of the Draco data has {} components, its accessor {}", id,
                             found->num_components(), components));
   }
+  // libdraco reads a byte of the stream as bool without asking whether it is one.
+  if (found->data_type() == draco::DT_BOOL)
+    throw Error(fmt::format("attribute {} of the Draco data is of truth values", id));
   switch (component_type) {
     case kI8:
       return values_of<std::int8_t>(*mesh_->mesh, *found, components);

@@ -37,6 +37,12 @@ Box3 Camera::origins() const {
   return box;
 }
 
+std::optional<Camera::Pinhole> Camera::pinhole() const {
+  const glm::dmat3 world_from_camera(axes_.t, axes_.b, axes_.n);
+  if (is_orthographic_ || has_lens() || glm::determinant(world_from_camera) == 0.0) return std::nullopt;
+  return Pinhole{eye_, glm::inverse(world_from_camera), film_size_, half_extent_};
+}
+
 Camera::Sample Camera::generate(vec2 film, vec2 u) const {
   const vec2 ndc(2.0f * film.x / film_size_.x - 1.0f, 1.0f - 2.0f * film.y / film_size_.y);
   const vec2 p = ndc * half_extent_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "math/frame.h"
 #include "path/geometry.h"
 #include "scene/view.h"
@@ -15,6 +17,23 @@ class Camera {
 
   /// Where rays start.
   Box3 origins() const;
+
+  /// The other way round: a pinhole's picture of points, in double precision.
+  struct Pinhole {
+    dvec3 eye;
+    glm::dmat3 camera_from_world;  ///< of directions; it looks along -z
+    dvec2 film_size;               ///< pixels
+    dvec2 half_extent;             ///< of the film at distance 1
+
+    dvec3 from_world(vec3 p) const { return camera_from_world * (dvec3(p) - eye); }
+    /// Pixels from the top left corner. `p` is in front of the eye.
+    dvec2 film(dvec3 p) const {
+      const dvec2 ndc = dvec2(p) / (-p.z * half_extent);
+      return 0.5 * film_size * dvec2(1.0 + ndc.x, 1.0 - ndc.y);
+    }
+  };
+  /// None for orthographic cameras, lenses, and axes that lie in a plane.
+  std::optional<Pinhole> pinhole() const;
 
   struct Sample {
     Ray ray;              ///< from the near plane to the far one

@@ -37,6 +37,11 @@ inline float fast_atan2(float y, float x) {
   return y < 0.0f ? -a : a;
 }
 
+/// Of a direction in the map's space, whose sine to the pole is `sin_theta`.
+inline vec2 map_uv(vec3 d, float sin_theta) {
+  return {0.5f + fast_atan2(d.z, d.x) * (0.5f / kPi), fast_atan2(sin_theta, d.y) * (1.0f / kPi)};
+}
+
 /// Of four texels: top left, top right, bottom left, bottom right.
 template <class Texel>
 vec3 bilinear(const Texel& at, float tx, float ty) {
@@ -161,7 +166,7 @@ EnvironmentLight::Footprint EnvironmentLight::locate(vec3 world) const {
   if (texels_.empty()) return {};
   const vec3 d = map_from_world(world);
   const float sin_theta = std::sqrt(d.x * d.x + d.z * d.z);
-  Footprint f = locate_uv({0.5f + fast_atan2(d.z, d.x) * (0.5f / kPi), fast_atan2(sin_theta, d.y) * (1.0f / kPi)});
+  Footprint f = locate_uv(map_uv(d, sin_theta));
   f.sin_theta = std::max(sin_theta, 1e-6f);
   return f;
 }
@@ -186,6 +191,58 @@ vec3 EnvironmentLight::background(vec3 direction) const {
     return intensity_ * bilinear(at, f.tx, f.ty) + constant_;
   }
   return radiance(direction, f);
+}
+
+float EnvironmentLight::contrast(std::span<const vec3> corners, Sight sight) const {
+  constexpr int kMostTexels = 8;  // along each axis
+  const bool sees_backdrop = sight == Sight::backdrop && backdrop_;
+  vec3 middle(0.0f);
+  for (const vec3& corner : corners) middle += corner;
+  middle = glm::normalize(middle);
+  if (sight != Sight::map && !sees_backdrop) {
+    float reach = 0.0f;  // sine of the angle from the middle to the farthest corner
+    for (const vec3& corner : corners) reach = std::max(reach, glm::length(glm::cross(middle, corner)));
+    for (const Sun& sun : suns_) {
+      const vec3 towards = sun.frame.to_local(middle);
+      if (towards.z > 0.0f && std::hypot(towards.x, towards.y) <= 1.01f * (reach + std::sqrt(sun.sin2_radius)))
+        return kInfinity;
+    }
+  }
+  if (texels_.empty()) return 0.0f;
+
+  // ----- the texels between the corners, and those that filtering mixes in; columns relative to the middle's
+  const auto uv_of = [&](vec3 direction) {
+    const vec3 d = map_from_world(direction);
+    return map_uv(d, std::hypot(d.x, d.z));
+  };
+  const vec2 size(width_, height_);
+  const vec2 origin = uv_of(middle) * size;
+  vec2 lower(0.0f), upper(0.0f);
+  for (const vec3& corner : corners) {
+    vec2 offset = uv_of(corner) * size - origin;
+    offset.x -= size.x * std::round(offset.x / size.x);
+    lower = glm::min(lower, offset);
+    upper = glm::max(upper, offset);
+  }
+  const ivec2 first(glm::floor(origin + lower - 0.5f));
+  const ivec2 last(glm::floor(origin + upper + 0.5f));
+  if (last.x - first.x >= kMostTexels || last.y - first.y >= kMostTexels) return kInfinity;
+  float least = kInfinity, most = 0.0f, sum = 0.0f;
+  for (int y = first.y; y <= last.y; ++y) {
+    for (int x = first.x; x <= last.x; ++x) {
+      const int column = (x % width_ + width_) % width_;
+      const int row = std::clamp(y, 0, height_ - 1);
+      const float l = luminance(sees_backdrop ? backdrop_->rgb(column, row) * intensity_ + constant_
+                                              : vec3(texels_[static_cast<std::size_t>(row * width_ + column)]));
+      least = std::min(least, l);
+      most = std::max(most, l);
+      sum += l;
+    }
+  }
+  if (!(most > least)) return 0.0f;
+  const ivec2 count = last - first + 1;
+  const vec2 extent = upper - lower;  // within one texel light changes evenly
+  return (most - least) * std::min(extent.x + extent.y, 1.0f) * static_cast<float>(count.x * count.y) / sum;
 }
 
 vec3 EnvironmentLight::radiance(vec3 direction, const Footprint& footprint) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "math/distribution.h"
@@ -38,6 +39,12 @@ class EnvironmentLight {
   vec3 radiance(vec3 direction, const Footprint& footprint) const;
   /// What the camera sees in a direction: the backdrop where there is one, else the map and the suns.
   vec3 background(vec3 direction) const;
+
+  /// What a pixel sees: the map alone, its suns too, or the backdrop (where there is none, map and suns).
+  enum class Sight { map, lights, backdrop };
+  /// Difference between the brightest and the darkest luminance that is seen between `corners`, over their mean;
+  /// infinite where a sun is seen, or more texels than it is worth to look at. Unit directions, world space.
+  float contrast(std::span<const vec3> corners, Sight sight) const;
 
   struct Sample {
     vec3 direction{0, 1, 0};

@@ -114,6 +114,14 @@ Hit first_visible_hit(const PathContext& context, const Ray& ray, const Hit& hit
   return context.geometry.intersect_visible(ray, hit.seed);
 }
 
+float background_contrast(const PathContext& context, std::span<const vec3> corners) {
+  using Sight = EnvironmentLight::Sight;
+  const EnvironmentLight& environment = context.lights.environment();
+  if (!context.sees_lamps) return environment.contrast(corners, Sight::map);
+  if (!context.sees_backdrop) return environment.contrast(corners, Sight::lights);
+  return context.background == Background::environment ? environment.contrast(corners, Sight::backdrop) : 0.0f;
+}
+
 namespace {
 
 template <bool kHasMedia>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "math/sobol.h"
 #include "path/lights.h"
@@ -41,6 +42,9 @@ struct PathSample {
 
 /// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees.
 Hit first_visible_hit(const PathContext& context, const Ray& ray, const Hit& hit, RayCounts& counts);
+
+/// Contrast of what is seen between directions that meet nothing, see EnvironmentLight::contrast.
+float background_contrast(const PathContext& context, std::span<const vec3> corners);
 
 /// A ladder of three rungs to read from below; each has the same expectation where it holds.
 ///

@@ -54,17 +54,18 @@ struct NoiseReached {
 struct Statistics {
   double build_s = 0.0;  ///< of the tracers that were made for it
   double render_s = 0.0;
-  std::uint64_t samples = 0;  ///< camera samples
+  std::uint64_t samples = 0;         ///< camera samples
+  std::uint64_t spared_samples = 0;  ///< that pixels did without which only a smooth background can be seen in
   std::uint64_t camera_rays = 0;
   std::uint64_t bounce_rays = 0;
   std::uint64_t shadow_rays = 0;
   std::uint64_t non_finite_samples = 0;  ///< must be 0; each was left out of the picture
   std::uint64_t triangles = 0;           ///< stored once per mesh
   std::uint64_t instances = 0;
-  double mean_samples_per_pixel = 0.0;
-  bool interrupted = false;           ///< stopped by Job::stop
-  bool timed_out = false;             ///< stopped by Settings::time_limit_s
-  std::optional<NoiseReached> noise;  ///< where a target was set
+  double mean_samples_per_pixel = 0.0;  ///< spared ones count
+  bool interrupted = false;             ///< stopped by Job::stop
+  bool timed_out = false;               ///< stopped by Settings::time_limit_s
+  std::optional<NoiseReached> noise;    ///< where a target was set
 };
 
 /// Most bytes that the picture takes while it is rendered, the film in the caller's hands included; the scene comes to

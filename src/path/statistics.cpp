@@ -8,6 +8,7 @@ void add_work(const Statistics& picture, Statistics& all) {
   all.build_s += picture.build_s;
   all.render_s += picture.render_s;
   all.samples += picture.samples;
+  all.spared_samples += picture.spared_samples;
   all.camera_rays += picture.camera_rays;
   all.bounce_rays += picture.bounce_rays;
   all.shadow_rays += picture.shadow_rays;

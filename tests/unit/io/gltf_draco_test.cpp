@@ -142,6 +142,18 @@ TEST(unit_io_gltf_draco, what_the_stream_does_not_hold_is_named) {
   EXPECT_THAT(error_of(b), HasSubstr("buffer view 77 does not exist"));
 }
 
+TEST(unit_io_gltf_draco, truth_values_are_no_attribute_of_gltf) {
+  // One triangle in order; its only attribute has two values of type 11, which is bool, the first of them 250.
+  const std::string text("DRACO\2\2\1\0\0\0\1\1\1\1\1\1\1\1\1\x0b\2\0\0\0\xfa\x43\x3f\x0a", 29);
+  const DracoMesh mesh(std::as_bytes(std::span(text)));
+  try {
+    mesh.attribute(0, 5126, 2);
+    FAIL() << "it was read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("attribute 0 of the Draco data is of truth values"));
+  }
+}
+
 TEST(unit_io_gltf_draco, damage_is_one_error) {
   const std::vector<std::byte> whole = draco_strip(kTriangles, 0, true);
   std::vector<std::byte> cloud = whole;

@@ -94,7 +94,7 @@ TEST(unit_path_settings, samples_are_counted) {
     path::Settings s = settings(21, samples, 2);
     s.height = 10;
     path::render(mixture(), sky(), mixture_view(), s, {}, &statistics);
-    EXPECT_EQ(statistics.samples, static_cast<std::uint64_t>(210 * samples));
+    EXPECT_EQ(statistics.samples + statistics.spared_samples, static_cast<std::uint64_t>(210 * samples));
     EXPECT_DOUBLE_EQ(statistics.mean_samples_per_pixel, samples);
     EXPECT_GE(statistics.camera_rays, statistics.samples);
     EXPECT_GT(statistics.shadow_rays, 0U);
