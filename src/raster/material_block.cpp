@@ -55,21 +55,32 @@ struct UvTransform {
 static_assert(offsetof(UvTransform, along_v) == 8 && offsetof(UvTransform, offset) == 16 &&
               offsetof(UvTransform, uv_set) == 24 && sizeof(UvTransform) == 32);
 
-constexpr std::size_t kFields = kMaterialProperties.size() + kDerived.size();
+// The block holds the properties, what is derived of them, and cosine and sine of each direction's rotation, of which a
+// driver's own have few digits.
+constexpr std::size_t kFirstDerived = kMaterialProperties.size();
+constexpr std::size_t kFirstDirection = kFirstDerived + kDerived.size();
+constexpr std::size_t kFields = kFirstDirection + 2 * kDirectionRows.size();
 
 constexpr bool is_color(std::size_t field) {
-  return field < kMaterialProperties.size() ? kMaterialProperties[field].member.is_color()
-                                            : kDerived[field - kMaterialProperties.size()].color != nullptr;
+  if (field >= kFirstDirection) return false;
+  return field < kFirstDerived ? kMaterialProperties[field].member.is_color()
+                               : kDerived[field - kFirstDerived].color != nullptr;
 }
 
-constexpr std::string_view name_of(std::size_t field) {
-  return field < kMaterialProperties.size() ? kMaterialProperties[field].name
-                                            : kDerived[field - kMaterialProperties.size()].name;
+/// Of a direction, in the shaders.
+std::string_view name_of(const DirectionRow& row) { return kTextureRows[texture_slot_index(row.texture)].name; }
+
+std::string name_of(std::size_t field) {
+  if (field < kFirstDirection) {
+    return std::string(field < kFirstDerived ? kMaterialProperties[field].name : kDerived[field - kFirstDerived].name);
+  }
+  const std::size_t i = field - kFirstDirection;
+  return fmt::format("{}_{}", name_of(kDirectionRows[i / 2]), i % 2 == 0 ? "cos" : "sin");
 }
 
 constexpr std::string_view doc_of(std::size_t field) {
-  return field < kMaterialProperties.size() ? kMaterialProperties[field].doc
-                                            : kDerived[field - kMaterialProperties.size()].doc;
+  if (field >= kFirstDirection) return "of its rotation";
+  return field < kFirstDerived ? kMaterialProperties[field].doc : kDerived[field - kFirstDerived].doc;
 }
 
 constexpr std::size_t aligned(std::size_t at, std::size_t alignment) {
@@ -114,16 +125,14 @@ std::string fetch_text(const MaterialProperty& row) {
   return text + "#endif\n";
 }
 
-std::string_view name_of_texture(const DirectionRow& row) { return kTextureRows[texture_slot_index(row.texture)].name; }
-
 /// A direction, of the front's tangent and bitangent.
 std::string direction_text(const DirectionRow& row) {
   return fmt::format(
-      "vec3 {1}_direction(vec3 t, vec3 b) {{\n"
-      "  vec2 turn = vec2(cos(material.{0}), sin(material.{0}));\n"
-      "#ifdef HAS_{1}\n  turn = normal_turned(turn, {1}_texel().xy);\n#endif\n"
+      "vec3 {0}_direction(vec3 t, vec3 b) {{\n"
+      "  vec2 turn = vec2(material.{0}_cos, material.{0}_sin);\n"
+      "#ifdef HAS_{0}\n  turn = normal_turned(turn, {0}_texel().xy);\n#endif\n"
       "  return t * turn.x + b * turn.y;\n}}\n",
-      property_of(row.rotation).name, name_of_texture(row));
+      name_of(row));
 }
 
 }  // namespace
@@ -165,6 +174,10 @@ void write_material_block(const Material& m, std::span<const int> more_sets, std
     row.color != nullptr ? put(field, row.color(m)) : put(field, row.number(m));
     ++field;
   }
+  for (const DirectionRow& row : kDirectionRows) {
+    put(field++, std::cos(m.*row.rotation));
+    put(field++, std::sin(m.*row.rotation));
+  }
   const auto slots = texture_slots(m);
   for (std::size_t i = 0; i < kTextureSlots; ++i) {
     const auto& t = slots[i]->transform;
@@ -188,7 +201,7 @@ std::string material_fetch_text() {
   for (const DirectionRow& row : kDirectionRows) {
     directions += direction_text(row);
     if (row.param == nullptr) continue;
-    turned += fmt::format("  p.{} = {}_direction(t, b) * frame;\n", row.param_name, name_of_texture(row));
+    turned += fmt::format("  p.{} = {}_direction(t, b) * frame;\n", row.param_name, name_of(row));
   }
   for (const MaterialProperty& row : kMaterialProperties) {
     if (row.param) (row.lobe.bit == 0 ? base : layers) += fetch_text(row);
