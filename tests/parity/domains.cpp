@@ -138,6 +138,8 @@ const std::vector<Row>& rows() {
       {"model_sheen:s/*p.lobes", lobes(shade::kLobeModel | shade::kLobeSheen)},
       {"coat_tint:s/*p.clearcoat_darkening", uniform(0.1f, 1.0f)},
       {"coat_direction:s/*p.clearcoat_roughness", uniform(0.1f, 1.0f)},  // a mirror has no facets to ask for
+      {"coat_dv:s/*p.clearcoat_roughness", uniform(0.1f, 1.0f)},
+      {"coat_*_visible:s/*p.clearcoat_roughness", uniform(0.1f, 1.0f)},
       {"glass_add_below:s/*p.roughness", uniform(0.05f, 1.0f)},
       {"sheen_scale:s/*p.sheen_roughness", uniform(0.0f, 0.2f)},  // narrow fibres, seen flatly: elsewhere it is 1
       {"sheen_scale:mu", uniform(0.0f, 0.1f)},
@@ -199,6 +201,7 @@ const std::vector<Row>& rows() {
       {"below_eval:wi", direction(-1.0f, -0.02f)},
       {"layers_at:w", direction(-1.0f, 1.0f)},
       {"coat_*:w", direction(-1.0f, 1.0f)},
+      {"coat_*:[oi]", direction(0.02f, 1.0f)},
       {"shade_tangent:n", direction(-1.0f, 1.0f)},
       {"image_light_horizon:mirrored", direction(-1.0f, 1.0f)},
       {"image_light_level:levels", whole(2, 8)},
