@@ -23,6 +23,14 @@ constexpr float kHuge = 1e30f;  // far from where squares overflow a float
 constexpr int kMostSamples = 1 << 20;
 constexpr int kOpenEndedSamples = 1 << 16;  // where --time or --noise is meant to stop first
 
+/// The names of a table's rows.
+template <class Rows>
+std::string names_of(const Rows& rows) {
+  std::string names;
+  for (const auto& row : rows) names += (names.empty() ? "" : ", ") + std::string(row.name);
+  return names;
+}
+
 void add_picture(Command& command, RenderOptions& o) {
   const std::string group = "Picture";
   command
@@ -46,7 +54,7 @@ void add_picture(Command& command, RenderOptions& o) {
             "Metered, in stops, or as on a camera [the scene's wish; studio 0 unless outshone; else auto]")
       .group(group);
   add_value(command, "--tonemap", "CURVE", o.shot.tone_curve, parse_tone_curve,
-            "pbr-neutral, agx, aces, reinhard, exponential or linear [pbr-neutral]")
+            "One of " + names_of(kToneCurves) + " [pbr-neutral]")
       .group(group);
   add_value(command, "--bloom", "X", o.shot.bloom, number_within(0.0f, 1.0f),
             "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
@@ -58,7 +66,7 @@ void add_picture(Command& command, RenderOptions& o) {
             "What clear glass before such a background shows through it [background]")
       .group(group);
   add_value(command, "--aov", "LIST", o.shot.layers, parse_layers,
-            "Layers beside the picture in the .exr: albedo,normal,depth,position,id")
+            "Layers beside the picture in the .exr, some of " + names_of(kLayers))
       .group(group);
 }
 

@@ -61,7 +61,8 @@ void judge_extensions(const CheckInput& input, std::vector<Finding>& findings) {
 }
 
 bool wants_tangents(const Material& m) {
-  return !m.unlit && (m.normal_texture || m.clearcoat_normal_texture || m.anisotropy_texture);
+  const TextureSlot* slot = tangent_slot(m);
+  return !m.unlit && slot != nullptr && *slot;
 }
 
 /// What the primitives of one material have in common, counted.

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "content/demo_scenes.h"
+#include "scene/material_table.h"
 #include "scene/view.h"
 
 namespace candela::content {
@@ -28,7 +29,7 @@ TextureSlot SceneBuilder::texture(const std::string& name, TexturePointer image,
 int SceneBuilder::mesh(const std::string& name, Primitive primitive, int material) {
   primitive.material = material;
   const Material& wears = scene_.materials[static_cast<std::size_t>(material)];
-  if (!wears.normal_texture && wears.anisotropy <= 0.0f) primitive.tangents.clear();
+  if (tangent_slot(wears) == nullptr) primitive.tangents.clear();
   scene_.meshes.push_back({.name = name, .primitives = {}});
   scene_.meshes.back().primitives.push_back(std::move(primitive));
   return static_cast<int>(scene_.meshes.size()) - 1;

@@ -194,6 +194,37 @@ constexpr std::array kRows{
           material.anisotropy_rotation = step(i, 0.0f, kPi);
           return material;
         }},
+    Row{"row-diffuse-roughness", "diffuse roughness 0 to 1 of clay", Shape::cap,
+        [](int i) { return with(dielectric(0xc08a60, 0.7f), &Material::diffuse_roughness, step(i, 0.0f, 1.0f)); }},
+    Row{"row-retroreflection", "retroreflection 0 to 1 of a metal", Shape::cap,
+        [](int i) { return with(metal(kSteel, 0.25f), &Material::retroreflection, step(i, 0.0f, 1.0f)); }},
+    Row{"row-fuzz", "dust on lacquer, 0 to 1", Shape::cap,
+        [](int i) {
+          Material material = with(coated(1.0f, 0.0f), &Material::fuzz, step(i, 0.0f, 1.0f));
+          material.fuzz_color = vec3(0.5f, 0.42f, 0.32f);
+          material.fuzz_roughness = 0.9f;
+          return material;
+        }},
+    Row{"row-fuzz-color", "fuzz colour black to white", Shape::cap,
+        [](int i) {
+          Material material = with(dielectric(0x9a5a64, 0.8f), &Material::fuzz, 1.0f);
+          material.fuzz_color = vec3(step(i, 0.0f, 1.0f));
+          return material;
+        }},
+    Row{"row-edge-color", "specular colour of a whole lobe, white to red", Shape::cap,
+        [](int i) {
+          Material material = with(dielectric(0x14161c, 0.1f), &Material::specular_edge_color, 1.0f);
+          material.specular_color = glm::mix(vec3(1.0f), vec3(1.0f, 0.08f, 0.02f), step(i, 0.0f, 1.0f));
+          return material;
+        }},
+    Row{"row-edge-color-metal", "specular colour of a metal near 82 degrees, white to blue", Shape::cap,
+        [](int i) {
+          Material material = with(metal(kGold, 0.15f), &Material::specular_edge_color, 1.0f);
+          material.specular_color = glm::mix(vec3(1.0f), vec3(0.0f, 0.1f, 0.8f), step(i, 0.0f, 1.0f));
+          return material;
+        }},
+    Row{"row-clearcoat-anisotropy", "clearcoat anisotropy 0 to 1", Shape::cap,
+        [](int i) { return with(coated(1.0f, 0.25f), &Material::clearcoat_anisotropy, step(i, 0.0f, 1.0f)); }},
     Row{"row-iridescence-thickness", "film thickness 0 to 900 nm", Shape::cap,
         [](int i) { return film(step(i, 0.0f, 900.0f), 1.8f); }},
     Row{"row-iridescence-ior", "film index 1 to 2.5", Shape::cap,

@@ -15,19 +15,10 @@
 #include "image/bloom.h"
 #include "image/image_file.h"
 #include "shade/color.glsl.h"
-#include "shade/tonemap.glsl.h"
 
 namespace candela {
 
 namespace {
-
-constexpr std::array<std::pair<ToneCurve, std::string_view>, 6> kToneCurveNames{
-    {{ToneCurve::pbr_neutral, "pbr-neutral"},
-     {ToneCurve::agx, "agx"},
-     {ToneCurve::aces, "aces"},
-     {ToneCurve::reinhard, "reinhard"},
-     {ToneCurve::exponential, "exponential"},
-     {ToneCurve::linear, "linear"}}};
 
 /// sRGB encoding times 255, as a table of straight lines: 256 per octave from 2^-9, which is below the curve's own
 /// straight part. Off by less than 1.3e-4 of a code value (second-order error of x^(1/2.4) over 1/256 of an octave).
@@ -123,19 +114,12 @@ void develop_row(const Picture& picture, int y, float exposure, const DevelopSet
 using RowFunction = void (*)(const Picture&, int, float, const DevelopSettings&, const SrgbEncoder&, std::uint8_t*);
 
 RowFunction row_function(ToneCurve curve) {
-  switch (curve) {
-    case ToneCurve::pbr_neutral:
-      return develop_row<shade::tone_pbr_neutral>;
-    case ToneCurve::agx:
-      return develop_row<shade::tone_agx>;
-    case ToneCurve::aces:
-      return develop_row<shade::tone_aces>;
-    case ToneCurve::reinhard:
-      return develop_row<shade::tone_reinhard>;
-    case ToneCurve::exponential:
-      return develop_row<shade::tone_exponential>;
-    case ToneCurve::linear:
-      break;
+  constexpr auto kFunctions = []<std::size_t... I>(std::index_sequence<I...>) {
+    return std::array<RowFunction, sizeof...(I)>{develop_row<kToneCurves[I].function>...};
+  }
+  (std::make_index_sequence<kToneCurves.size()>{});
+  for (std::size_t i = 0; i < kToneCurves.size(); ++i) {
+    if (kToneCurves[i].curve == curve) return kFunctions[i];
   }
   return develop_row<shade::tone_linear>;
 }
@@ -199,17 +183,18 @@ std::vector<MeterPixel> lit_pixels(const Image& beauty) {
 
 ToneCurve parse_tone_curve(std::string_view name) {
   std::string known;
-  for (const auto& [value, text] : kToneCurveNames) {
-    if (text == name) return value;
+  for (const ToneCurveInfo& info : kToneCurves) {
+    if (info.name == name) return info.curve;
     known += known.empty() ? "" : ", ";
-    known += text;
+    known += info.name;
   }
   throw Error("unknown tone curve \"" + std::string(name) + "\" (known: " + known + ")");
 }
 
 std::string_view tone_curve_name(ToneCurve curve) {
-  for (const auto& [value, name] : kToneCurveNames)
-    if (value == curve) return name;
+  for (const ToneCurveInfo& info : kToneCurves) {
+    if (info.curve == curve) return info.name;
+  }
   return {};
 }
 

@@ -1,16 +1,43 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string_view>
 
 #include "image/film.h"
+#include "shade/tonemap.glsl.h"
 
 namespace candela {
 
-enum class ToneCurve { pbr_neutral, agx, aces, reinhard, exponential, linear };
+/// By the number that shade::tone_map knows.
+enum class ToneCurve {
+  pbr_neutral = shade::kTonePbrNeutral,
+  agx = shade::kToneAgx,
+  aces = shade::kToneAces,
+  reinhard = shade::kToneReinhard,
+  exponential = shade::kToneExponential,
+  linear = shade::kToneLinear,
+  hable = shade::kToneHable,
+};
 
-/// Names as on the command line: "pbr-neutral", "agx", "aces", "reinhard", "exponential", "linear". Throws Error.
+/// A new curve is its text in shade/tonemap.glsl.h, a value of the enum and a row here.
+struct ToneCurveInfo {
+  ToneCurve curve;
+  std::string_view name;  ///< on the command line
+  vec3 (*function)(vec3 color);
+};
+inline constexpr auto kToneCurves = std::to_array<ToneCurveInfo>({
+    {ToneCurve::pbr_neutral, "pbr-neutral", shade::tone_pbr_neutral},
+    {ToneCurve::agx, "agx", shade::tone_agx},
+    {ToneCurve::aces, "aces", shade::tone_aces},
+    {ToneCurve::reinhard, "reinhard", shade::tone_reinhard},
+    {ToneCurve::hable, "hable", shade::tone_hable},
+    {ToneCurve::exponential, "exponential", shade::tone_exponential},
+    {ToneCurve::linear, "linear", shade::tone_linear},
+});
+
+/// Throws Error that lists what there is.
 ToneCurve parse_tone_curve(std::string_view name);
 std::string_view tone_curve_name(ToneCurve curve);
 

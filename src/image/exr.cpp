@@ -57,12 +57,10 @@ bool is_colored(const Image& through) {
 }
 
 void add_layer(Imf::Header& header, Imf::FrameBuffer& frame, Layer layer, const Image& image) {
-  const std::string name(layer_name(layer));
-  if (image.channels == 1) {
-    add_channel(header, frame, name + (layer == Layer::depth ? ".Z" : ".Y"), image, 0);
-    return;
+  const LayerInfo& info = layer_info(layer);
+  for (std::size_t c = 0; c < info.channels.size(); ++c) {
+    add_channel(header, frame, std::string(info.name) + "." + info.channels[c], image, c);
   }
-  add_rgb(header, frame, name, image);
 }
 
 void add_metadata(Imf::Header& header, const std::map<std::string, std::string>& metadata, const std::string& where) {

@@ -1,34 +1,18 @@
 #include "image/film.h"
 
-#include <array>
+#include <algorithm>
 #include <utility>
 
 #include "base/error.h"
 
 namespace candela {
 
-namespace {
-
-constexpr std::array<std::pair<Layer, std::string_view>, 5> kLayerNames{{{Layer::albedo, "albedo"},
-                                                                         {Layer::normal, "normal"},
-                                                                         {Layer::depth, "depth"},
-                                                                         {Layer::position, "position"},
-                                                                         {Layer::object_id, "id"}}};
-
-}  // namespace
-
-std::string_view layer_name(Layer layer) {
-  for (const auto& [value, name] : kLayerNames)
-    if (value == layer) return name;
-  return {};
-}
-
 Layer parse_layer(std::string_view name) {
   std::string known;
-  for (const auto& [value, text] : kLayerNames) {
-    if (text == name) return value;
+  for (const LayerInfo& info : kLayers) {
+    if (info.name == name) return info.layer;
     known += known.empty() ? "" : ", ";
-    known += text;
+    known += info.name;
   }
   throw Error("unknown layer \"" + std::string(name) + "\" (known: " + known + ")");
 }
@@ -65,23 +49,26 @@ void accumulate(const Film& film, float share, Film& sum) {
   if (sum.beauty.pixels.empty()) {
     sum.beauty = Image(film.width(), film.height(), film.beauty.channels);
     for (const auto& [layer, image] : film.layers) {
-      const bool has_mean = layer == Layer::albedo || layer == Layer::normal;
-      sum.layers[layer] = has_mean ? Image(image.width, image.height, image.channels) : image;
+      sum.layers[layer] = layer_info(layer).has_mean ? Image(image.width, image.height, image.channels) : image;
     }
     sum.through = Image(film.through.width, film.through.height, film.through.channels);
     sum.metadata = film.metadata;
   }
   add(film.beauty, sum.beauty);
   add(film.through, sum.through);
-  for (const Layer layer : {Layer::albedo, Layer::normal}) {
-    const auto found = film.layers.find(layer);
-    if (found != film.layers.end()) add(found->second, sum.layers.at(layer));
+  for (const auto& [layer, image] : film.layers) {
+    if (layer_info(layer).has_mean) add(image, sum.layers.at(layer));
   }
+}
+
+std::size_t count_mean_layers(const std::set<Layer>& layers) {
+  return static_cast<std::size_t>(
+      std::count_if(layers.begin(), layers.end(), [](Layer layer) { return layer_info(layer).has_mean; }));
 }
 
 std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers, bool has_features) {
   std::uint64_t floats = has_features ? 4 + 14 : 4;  // of the picture
-  for (const Layer layer : layers) floats += layer == Layer::depth || layer == Layer::object_id ? 1 : 3;
+  for (const Layer layer : layers) floats += static_cast<std::uint64_t>(layer_channels(layer));
   return floats * sizeof(float);
 }
 

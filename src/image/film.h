@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -15,16 +16,35 @@ namespace candela {
 
 /// What a film can hold beside the picture. All linear, none filtered by exposure or tone curve.
 enum class Layer {
-  albedo,    ///< RGB, directional reflectance of the first hit
-  normal,    ///< XYZ world space shading normal, unit or 0 where nothing was hit
-  depth,     ///< metres along the ray from the camera (not its z), +inf where nothing was hit
-  position,  ///< XYZ world space, metres
-  object_id  ///< 1 + number of the node of the first hit, 0 = background; of the pixel's centre-most sample, not
-             ///< averaged
+  albedo,      ///< RGB, directional reflectance of the first hit
+  normal,      ///< XYZ world space shading normal, unit or 0 where nothing was hit
+  base_color,  ///< RGB, what its material says, textures and vertex colours included; 0 where nothing was hit
+  depth,       ///< metres along the ray from the camera (not its z), +inf where nothing was hit
+  position,    ///< XYZ world space, metres
+  object_id    ///< 1 + number of the node of the first hit, 0 = background
 };
 
-/// Names as on the command line and in EXR files: "albedo", "normal", "depth", "position", "id".
-std::string_view layer_name(Layer layer);
+/// What a layer is. A new one is a value of the enum, a row here, and what the path tracer makes of the first hit; the
+/// rasterizer shows the quantity of its name.
+struct LayerInfo {
+  Layer layer;
+  std::string_view name;      ///< on the command line and in EXR files
+  std::string_view channels;  ///< a letter for each, as EXR files have them
+  bool has_mean;              ///< over the samples of a pixel; else it is that of the pixel's centre
+  float nothing;              ///< where nothing is hit
+};
+inline constexpr auto kLayers = std::to_array<LayerInfo>({
+    {Layer::albedo, "albedo", "RGB", true, 1.0f},
+    {Layer::normal, "normal", "RGB", true, 0.0f},
+    {Layer::base_color, "base-color", "RGB", true, 0.0f},
+    {Layer::depth, "depth", "Z", false, kInfinity},
+    {Layer::position, "position", "RGB", false, 0.0f},
+    {Layer::object_id, "id", "Y", false, 0.0f},
+});
+
+constexpr const LayerInfo& layer_info(Layer layer) { return kLayers[static_cast<std::size_t>(layer)]; }
+constexpr int layer_channels(Layer layer) { return static_cast<int>(layer_info(layer).channels.size()); }
+constexpr std::string_view layer_name(Layer layer) { return layer_info(layer).name; }
 /// Throws Error for an unknown name, listing the known ones.
 Layer parse_layer(std::string_view name);
 
@@ -64,6 +84,9 @@ void set_through(Image through, Film& film);
 /// Adds `share` of a film of the same size and layers to `sum`, an empty one at first. Depth, position and object id,
 /// which have no mean, stay those of the first.
 void accumulate(const Film& film, float share, Film& sum);
+
+/// How many of these are means over the samples of a pixel.
+std::size_t count_mean_layers(const std::set<Layer>& layers);
 
 /// Of the pixels of a film with these layers, the picture included.
 std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers, bool has_features = false);

@@ -70,7 +70,11 @@ class MaterialReader {
   void read(NumberOrColor<Material> member, const JsonView& json, std::string_view key, const Range& range,
             int first = 0, int count = 0);
   void read(const MaterialProperty& row, const JsonView& json, std::string_view key) {
-    read(row.member, json, key, row.range, row.source.first, row.source.count);
+    if (row.source.is_flag) {
+      row.member.at(material_, 0) = json.boolean_or(std::string(key).c_str(), false) ? 1.0f : 0.0f;
+    } else {
+      read(row.member, json, key, row.range, row.source.first, row.source.count);
+    }
   }
   TextureSlot slot(const JsonView& owner, std::string_view key);
   std::optional<JsonView> own_extra(const char* name);
@@ -161,6 +165,10 @@ TextureSlot MaterialReader::slot(const JsonView& owner, std::string_view key) {
 
 std::optional<JsonView> MaterialReader::layer(std::string_view name) {
   auto extension = json_.extension(std::string(name).c_str());
+  for (const FallbackExtension& entry : kFallbackExtensions) {
+    const bool is_replaced = extension && entry.name == name && winner_ == nullptr;
+    if (is_replaced && json_.extension(std::string(entry.replaced_by).c_str())) return std::nullopt;
+  }
   if (!extension || winner_ == nullptr) return extension;
   const std::string message = fmt::format("{} is ignored beside {}", name, winner_);
   // What unlit surfaces are for others, as its extension asks for, is no loss.

@@ -9,6 +9,7 @@
 
 #include "io/gltf_outline.h"
 #include "io/tangents.h"
+#include "scene/material_table.h"
 
 namespace candela::io {
 
@@ -168,15 +169,6 @@ void normalize_normals(Primitive& primitive) {
   for (const std::uint32_t i : missing) {
     primitive.normals[i] = sums[i] == dvec3(0) ? vec3(0, 0, 1) : unit(sums[i]);
   }
-}
-
-/// The texture whose uvs say where tangents point: empty (set 0 as it is) when only the anisotropy's factors ask for
-/// them; null when nothing does.
-const TextureSlot* tangent_slot(const Material& m) {
-  for (const TextureSlot* slot : {&m.normal_texture, &m.clearcoat_normal_texture, &m.anisotropy_texture}) {
-    if (*slot) return slot;
-  }
-  return m.anisotropy > 0.0f ? &m.anisotropy_texture : nullptr;
 }
 
 /// Tangents of a surface without uvs: along the circles of latitude about the mesh's y axis, as on the lathe.

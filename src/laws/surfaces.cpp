@@ -63,6 +63,12 @@ void with_sheen(SurfaceParams& p, float roughness) {
   p.sheen_roughness = roughness;
 }
 
+void with_fuzz(SurfaceParams& p, float roughness) {
+  p.lobes |= shade::kLobeFuzz;
+  p.fuzz = 1.0f;
+  p.fuzz_roughness = roughness;
+}
+
 void with_anisotropy(SurfaceParams& p) {
   p.lobes |= shade::kLobeAnisotropy;
   p.anisotropy = 0.7f;
@@ -384,8 +390,63 @@ void add_coats(Table& table) {
     with_coat(dark, 0.1f);
     dark.clearcoat_darkening = 1.0f;
     table.add("coat that darkens white" + matter, dark, {}, true);
+    for (const float strength : {0.5f, 1.0f}) {
+      SurfaceParams streaked = white(metallic);
+      with_coat(streaked, 0.3f);
+      streaked.lobes |= shade::kLobeCoatAnisotropy;
+      streaked.clearcoat_anisotropy = strength;
+      streaked.clearcoat_direction = vec3(0.6f, 0.8f, 0.0f);
+      table.add("coat of anisotropy " + number(strength) + matter, streaked, {true, true, 0.005, 0.0175}, true);
+    }
     dark.base_color = vec3(0.5f, 0.2f, 0.1f);
     table.add("coat that darkens" + matter, dark, {true, false, 1.0, 0.005}, true);
+  }
+}
+
+/// EXT_materials_specular_edge_color.
+void add_edge_colors(Table& table) {
+  for (const float metallic : {0.0f, 0.5f, 1.0f}) {
+    const std::string name = "edge color, metallic " + number(metallic);
+    SurfaceParams p = white(metallic);
+    p.lobes = shade::kLobeEdgeColor;
+    table.add("white " + name, p, {}, true);
+    p.specular_color = vec3(1.0f, 0.3f, 0.0f);
+    p.base_color = vec3(0.9f, 0.8f, 0.5f);
+    table.add("red " + name, p, {true, false, 1.0, 0.005}, true);
+    p.specular_color = vec3(4.0f, 1.0f, 0.5f);
+    p.ior = 1.8f;
+    table.add("bright " + name, p, {true, false, 1.0, 0.005}, true);
+    with_coat(p, 0.2f);
+    table.add("coated " + name, p, {true, false, 1.0, 0.015}, false);
+  }
+  SurfaceParams glass = white(0.0f);
+  with_glass(glass, Glass::outside);
+  glass.lobes |= shade::kLobeEdgeColor;
+  glass.specular_color = vec3(1.0f, 0.3f, 0.0f);
+  table.add("glass of an edge color", glass, {true, false, 1.0, 0.005}, true);
+}
+
+/// KHR_materials_fuzz: alone it is a sheen, on a coat it dims that too.
+void add_fuzz(Table& table) {
+  for (const float metallic : {0.0f, 1.0f}) {
+    const std::string matter = metallic > 0.0f ? " on metal" : " on dielectric";
+    for (const float roughness : {0.2f, 0.5f, 1.0f}) {
+      SurfaceParams p = white(metallic);
+      with_fuzz(p, roughness);
+      table.add("fuzz of roughness " + number(roughness) + matter, p, {}, true);
+    }
+    SurfaceParams coated = white(metallic);
+    with_fuzz(coated, 0.4f);
+    with_coat(coated, 0.1f);
+    table.add("fuzz on a coat" + matter, coated, {true, true, 0.006, 0.0125}, true);
+    SurfaceParams soot = white(metallic);
+    with_fuzz(soot, 0.8f);
+    soot.fuzz = 0.7f;
+    soot.fuzz_color = vec3(0.0f, 0.01f, 0.02f);
+    table.add("soot" + matter, soot, {true, false, 1.0, 0.005}, true);
+    SurfaceParams tilted = coated;
+    tilted.clearcoat_normal = glm::normalize(vec3(0.2f, -0.1f, 1.0f));
+    table.add("fuzz on a coat with a normal of its own" + matter, tilted, {false, false, 1.0, 0.2}, true);
   }
 }
 
@@ -393,6 +454,8 @@ void add_coats(Table& table) {
 /// theirs.
 void add_drafts(Table& table) {
   add_coats(table);
+  add_fuzz(table);
+  add_edge_colors(table);
   for (const float metallic : {0.0f, 1.0f}) {
     const std::string matter = metallic > 0.0f ? "metal" : "dielectric";
     for (const float share : {0.5f, 1.0f}) {

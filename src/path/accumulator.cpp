@@ -35,8 +35,10 @@ Accumulator::Accumulator(const Settings& settings, bool has_through)
     : width_(settings.width), height_(settings.height) {
   const std::size_t n = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   pixels_.resize(n);
-  if (settings.layers.contains(Layer::albedo)) albedo_.resize(n, vec3(0.0f));
-  if (settings.layers.contains(Layer::normal)) normal_.resize(n, vec3(0.0f));
+  for (const Layer layer : settings.layers) {
+    if (layer_info(layer).has_mean) mean_layers_.push_back(layer);
+  }
+  layers_.resize(n * mean_layers_.size(), vec3(0.0f));
   if (has_through) through_.resize(n);
   if (settings.has_features) features_.resize(n);
 }
@@ -45,7 +47,7 @@ std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
   const bool may_have_through = settings.background == Background::transparent && !settings.environment_in_glass;
   return sizeof(Pixel) + (settings.has_features ? sizeof(Features) : 0) +
          (may_have_through ? sizeof(Through) + 4 * sizeof(float) : 0) +
-         sizeof(vec3) * (settings.layers.count(Layer::albedo) + settings.layers.count(Layer::normal));
+         sizeof(vec3) * count_mean_layers(settings.layers);
 }
 
 bool Accumulator::add(int x, int y, const PathSample& sample) {
@@ -59,8 +61,9 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
   p.luminance2 += l * l;
   p.alpha += sample.alpha;
   ++p.count;
-  if (!albedo_.empty()) albedo_[i] += sample.albedo;
-  if (!normal_.empty()) normal_[i] += sample.normal;
+  for (std::size_t k = 0; k < mean_layers_.size(); ++k) {
+    layers_[i * mean_layers_.size() + k] += sample.first[static_cast<std::size_t>(mean_layers_[k])];
+  }
   if (!features_.empty()) {
     Features& f = features_[i];
     f.albedo += sample.feature_albedo;
@@ -172,21 +175,20 @@ void Accumulator::resolve(Film& film) const {
     }
     set_through(std::move(through), film);
   }
-  const auto resolve_layer = [&](Layer layer, const std::vector<vec3>& sums, bool unit) {
-    if (sums.empty()) return;
-    Image image(width_, height_, 3);
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-      vec3 v = sums[i] / static_cast<float>(std::max(pixels_[i].count, 1U));
+  for (std::size_t k = 0; k < mean_layers_.size(); ++k) {
+    const Layer layer = mean_layers_[k];
+    const int channels = layer_channels(layer);
+    Image image(width_, height_, channels);
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      vec3 v = layers_[i * mean_layers_.size() + k] / static_cast<float>(std::max(pixels_[i].count, 1U));
       const float length = glm::length(v);
-      if (unit && length > 0.0f) v /= length;
-      image.pixels[3 * i] = v.x;
-      image.pixels[3 * i + 1] = v.y;
-      image.pixels[3 * i + 2] = v.z;
+      if (layer == Layer::normal && length > 0.0f) v /= length;
+      for (int c = 0; c < channels; ++c) {
+        image.pixels[i * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] = v[c];
+      }
     }
     film.layers[layer] = std::move(image);
-  };
-  resolve_layer(Layer::albedo, albedo_, false);
-  resolve_layer(Layer::normal, normal_, true);
+  }
 }
 
 }  // namespace candela::path

@@ -61,8 +61,8 @@ class Accumulator {
   void resolve_features(DenoisingFeatures& features) const;
 
   std::vector<Features> features_;  ///< empty unless asked for
-  std::vector<vec3> albedo_;        ///< empty unless asked for
-  std::vector<vec3> normal_;
+  std::vector<Layer> mean_layers_;  ///< those asked for
+  std::vector<vec3> layers_;        ///< of each pixel the sums of these
   struct Through {
     dvec3 sum{0.0};
     double luminance2 = 0.0;

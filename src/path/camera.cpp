@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "shade/lens.glsl.h"
+
 namespace candela::path {
 
 Camera::Camera(const View& view, int width, int height)
@@ -58,7 +60,7 @@ Camera::Sample Camera::generate(vec2 film, vec2 u) const {
   }
   if (lens_.vignetting > 0.0f && !is_orthographic_) {
     const float cos2 = direction.z * direction.z / glm::dot(direction, direction);
-    sample.weight = glm::mix(1.0f, cos2 * cos2, lens_.vignetting);
+    sample.weight = shade::lens_vignetting(cos2, lens_.vignetting);
   }
   sample.ray.origin = eye_ + axes_.to_world(origin);
   sample.ray.direction = glm::normalize(axes_.to_world(direction));

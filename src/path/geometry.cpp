@@ -258,7 +258,7 @@ MaterialData::MaterialData(const Scene& scene, const Material& material, const s
   is_clear_sheet = (params.lobes & shade::kLobeTransmission) != 0 && !material.has_volume() && !material.unlit &&
                    may_be_smooth && material.metallic < 1.0f + (has_roughness ? 1.0f : 0.0f);
   needs_tangents = texture<&Material::normal_texture>() || texture<&Material::clearcoat_normal_texture>() ||
-                   material.anisotropy > 0.0f;
+                   (params.lobes & kLobesWithDirection) != 0;
   const auto has_texture = [this](std::size_t slot) { return bool(textures[slot]); };
   const auto* const first = std::find_if(kBaseTextures.begin(), kBaseTextures.end(), has_texture);
   has_one_footprint = first != kBaseTextures.end() && std::all_of(first, kBaseTextures.end(), [&](std::size_t slot) {

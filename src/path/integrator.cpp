@@ -13,9 +13,15 @@ namespace {
 
 constexpr int kMostPassed = 64;  // surfaces in a row that do not turn light
 
+void set_nothing(PathSample& sample) {
+  for (const LayerInfo& info : kLayers) {
+    if (info.has_mean) sample.of(info.layer) = vec3(info.nothing);
+  }
+}
+
 PathSample background_sample(const PathContext& context, vec3 direction) {
   PathSample sample;
-  sample.albedo = vec3(1.0f);
+  set_nothing(sample);
   const EnvironmentLight& environment = context.lights.environment();
   if (!context.sees_lamps) {
     sample.radiance = environment.read(environment.locate(direction)).radiance;
@@ -32,10 +38,11 @@ PathSample background_sample(const PathContext& context, vec3 direction) {
 }
 
 void record_first_surface(const SurfacePoint& point, PathSample& sample) {
-  sample.normal = point.frame.n;
-  sample.albedo = point.is_unlit || max_component(point.emission) > 0.0f
-                      ? vec3(1.0f)
-                      : glm::min(shade::surface_albedo(point.surface), vec3(1.0f));
+  sample.of(Layer::normal) = point.frame.n;
+  sample.of(Layer::base_color) = point.is_unlit ? point.emission : shade::surface_base_color(point.surface);
+  sample.of(Layer::albedo) = point.is_unlit || max_component(point.emission) > 0.0f
+                                 ? vec3(1.0f)
+                                 : glm::min(shade::surface_albedo(point.surface), vec3(1.0f));
 }
 
 /// Whether all that a surface shows is what stands before or behind it: mirrors and clear glass, polished ones too.
@@ -158,11 +165,10 @@ Ray next_ray(const Ray& last, vec3 origin, vec3 direction, bool is_eye) {
   return ray;
 }
 
-/// Albedo and normal of what layers call the first surface.
+/// Of what layers call the first surface.
 void find_first_surface(const PathContext& context, const Ray& ray, PathSample& sample) {
   const Hit hit = context.geometry.first_surface(ray);
-  sample.albedo = vec3(1.0f);
-  sample.normal = vec3(0.0f);
+  set_nothing(sample);
   if (!hit) return;
   Walk walk(context.start);
   const Crossing crossing = walk.find_crossing(context, hit, ray.direction, 0.5f);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "math/sobol.h"
@@ -20,8 +21,8 @@ struct PathContext {
   bool has_media = true;           ///< whether any material bounds a body; false leaves out what only bodies need
   MediumStack start{};             ///< the bodies that the eye is in
   bool eye_is_wide = false;        ///< camera rays start at many places, some perhaps in bodies: `start` is none's
-  bool has_first_surface = false;  ///< PathSample::albedo and normal are asked for
-  bool has_features = false;       ///< and those of the denoiser
+  bool has_first_surface = false;  ///< PathSample::first is asked for
+  bool has_features = false;       ///< and what a denoiser asks for
 };
 
 struct RayCounts {
@@ -35,11 +36,12 @@ struct PathSample {
   vec3 radiance{0.0f};
   float alpha = 1.0f;         ///< 0 where the camera ray left the scene and the background is transparent
   vec3 through{0.0f};         ///< what that background is multiplied by: 1 there, less where it is seen through glass
-  vec3 albedo{0.0f};          ///< of the first surface of the layers; 1 for lights and the background
-  vec3 normal{0.0f};          ///< of the same
   vec3 feature_albedo{1.0f};  ///< of the first surface that is neither mirror nor clear glass, times what these leave
   vec3 feature_normal{0.0f};  ///< of the same; 0 where the path ends before
   vec3 seen{0.0f};            ///< of the radiance: what was never reflected or refracted
+  std::array<vec3, kLayers.size()> first{};  ///< what layers that have a mean say of the first surface
+
+  vec3& of(Layer layer) { return first[static_cast<std::size_t>(layer)]; }
 };
 
 /// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees.

@@ -7,7 +7,6 @@
 #include "base/parallel.h"
 #include "math/sobol.h"
 #include "path/surface_point.h"
-#include "shade/lights.glsl.h"
 
 namespace candela::path {
 
@@ -17,6 +16,9 @@ static_assert(static_cast<int>(Falloff::inverse_square) == shade::kFalloffInvers
               static_cast<int>(Falloff::gltf) == shade::kFalloffGltf &&
               static_cast<int>(Falloff::ue4) == shade::kFalloffUe4 &&
               static_cast<int>(Falloff::polynomial) == shade::kFalloffPolynomial);
+static_assert(static_cast<int>(LightType::point) == shade::kPointLight &&
+              static_cast<int>(LightType::spot) == shade::kSpotLight &&
+              static_cast<int>(LightType::directional) == shade::kDirectionalLight);
 
 /// Keeps sums of absurdly bright lamps finite.
 constexpr float kMostPower = 1e30f;
@@ -64,24 +66,30 @@ Lights::Lights(const Scene& scene, const Environment& environment, Geometry& geo
 }
 
 Lights::PunctualLight Lights::place(const Scene& scene, const Node& node) {
+  const Light& light = scene.lights[static_cast<std::size_t>(node.light)];
   PunctualLight p;
-  p.light = scene.lights[static_cast<std::size_t>(node.light)];
   p.position = vec3(node.world_from_node[3]);
+  p.intensity = light.color * light.intensity;
   const vec3 axis = transform_vector(node.world_from_node, {0, 0, -1});
   const float length = glm::length(axis);
-  p.direction = length > 0.0f ? axis / length : vec3(0, 0, -1);
-  p.cos_inner = std::cos(p.light.inner_cone);
-  p.cos_outer = std::cos(p.light.outer_cone);
-  const float intensity = luminance(p.light.color) * p.light.intensity;
+  p.lamp.kind = static_cast<int>(light.type);
+  p.lamp.direction = length > 0.0f ? axis / length : vec3(0, 0, -1);
+  p.lamp.range = light.range;
+  p.lamp.falloff = static_cast<int>(light.falloff);
+  p.lamp.polynomial = light.polynomial;
+  p.lamp.cos_inner = std::cos(light.inner_cone);
+  p.lamp.cos_outer = std::cos(light.outer_cone);
+  const float intensity = luminance(light.color) * light.intensity;
   float power = intensity;
-  if (p.light.type == LightType::spot) {
-    power *= shade::light_spot_solid_angle(p.cos_inner, p.cos_outer);
-  } else if (p.light.ies >= 0) {
-    p.ies = &scene.ies_profiles[static_cast<std::size_t>(p.light.ies)];
-    p.frame = frame_from_tangent(-p.direction, glm::normalize(transform_vector(node.world_from_node, {1, 0, 0})));
-    if (glm::determinant(mat3(node.world_from_node)) < 0.0f) p.frame.b = -p.frame.b;
+  if (light.type == LightType::spot) {
+    power *= shade::light_spot_solid_angle(p.lamp.cos_inner, p.lamp.cos_outer);
+  } else if (light.ies >= 0) {
+    p.ies = &scene.ies_profiles[static_cast<std::size_t>(light.ies)];
+    const vec3 along = glm::normalize(transform_vector(node.world_from_node, {1, 0, 0}));
+    p.lamp.across = frame_from_tangent(-p.lamp.direction, along).t;
+    p.lamp.handedness = glm::determinant(mat3(node.world_from_node)) < 0.0f ? -1.0f : 1.0f;
     power *= static_cast<float>(ies_flux(*p.ies));
-  } else if (p.light.type == LightType::point) {
+  } else if (light.type == LightType::point) {
     power *= 4.0f * kPi;
   }
   p.power = std::min(power, kMostPower);
@@ -278,9 +286,9 @@ LightSample Lights::sample_punctual(const PunctualLight& p, vec3 position) const
   LightSample s;
   s.is_delta = true;
   s.pdf = 1.0f;
-  s.radiance = p.light.color * p.light.intensity;
-  if (p.light.type == LightType::directional) {
-    s.direction = -p.direction;
+  s.radiance = p.intensity;
+  if (p.lamp.kind == shade::kDirectionalLight) {
+    s.direction = -p.lamp.direction;
     return s;
   }
   const vec3 to_light = p.position - position;
@@ -288,11 +296,8 @@ LightSample Lights::sample_punctual(const PunctualLight& p, vec3 position) const
   if (!(s.distance > 0.0f)) return {};
   s.direction = to_light / s.distance;
   s.target = p.position;
-  s.radiance *= shade::light_falloff(static_cast<int>(p.light.falloff), s.distance, p.light.range, p.light.polynomial);
-  if (p.light.type == LightType::spot) {
-    s.radiance *= shade::light_spot_gltf(-glm::dot(s.direction, p.direction), p.cos_inner, p.cos_outer);
-  }
-  if (p.ies != nullptr) s.radiance *= ies_intensity(*p.ies, p.frame.to_local(-s.direction));
+  s.radiance *= shade::light_left(p.lamp, s.direction, s.distance);
+  if (p.ies != nullptr) s.radiance *= ies_intensity(*p.ies, shade::light_local(p.lamp, s.direction));
   return s;
 }
 

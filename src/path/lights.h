@@ -4,6 +4,7 @@
 
 #include "path/environment_light.h"
 #include "path/geometry.h"
+#include "shade/lights.glsl.h"
 
 namespace candela::path {
 
@@ -85,12 +86,10 @@ class Lights {
     std::uint32_t source = 0;
   };
   struct PunctualLight {
-    Light light;
     vec3 position{0.0f};
-    vec3 direction{0, 0, -1};  ///< it shines along
-    Frame frame;               ///< of the light's own space, whatever the node's scale
+    vec3 intensity{0.0f};  ///< candela; of a directional light lux
+    shade::PunctualLamp lamp{};
     const IesProfile* ies = nullptr;
-    float cos_inner = 1.0f, cos_outer = 0.0f;
     float power = 0.0f;  ///< lumens; of a directional light lux
   };
   enum class SourceKind { map, sun, punctual, many };

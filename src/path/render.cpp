@@ -216,8 +216,7 @@ void Picture::Impl::find_start() {
   context_.has_features = settings_.has_features;
   // Elsewhere the first surface of the layers is that of the path.
   const bool is_by_chance = geometry_.has_blends() || !context_.start.empty() || context_.eye_is_wide;
-  context_.has_first_surface =
-      is_by_chance && (settings_.layers.contains(Layer::albedo) || settings_.layers.contains(Layer::normal));
+  context_.has_first_surface = is_by_chance && count_mean_layers(settings_.layers) > 0;
 }
 
 /// Pixels that no surface can cover take part in the first pass, and in a share of the others. Geometry and environment

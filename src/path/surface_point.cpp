@@ -4,13 +4,12 @@
 #include <array>
 
 #include "scene/surface_params.h"
+#include "shade/shading_normal.glsl.h"
 #include "shade/workflow.glsl.h"
 
 namespace candela::path {
 
 namespace {
-
-constexpr std::size_t kAnisotropySlot = texture_slot_index(&Material::anisotropy_texture);
 
 /// Where a point of a facet would lie on the curved surface that its vertex normals describe; rays that start there do
 /// not see the facet's neighbours as a staircase. Hanika 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II,
@@ -27,18 +26,6 @@ vec3 facet_normal(const TrianglePositions& p) {
   const vec3 n = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
   const float length = glm::length(n);
   return length > 0.0f ? n / length : vec3(0.0f);
-}
-
-/// Turns a shading normal just so far that the viewer is in front of it and its mirror direction is in front of the
-/// facet.
-vec3 keep_reflection_outside(vec3 ns, vec3 ng, vec3 wo) {
-  const float cos_o = glm::dot(ns, wo);
-  if (cos_o < 0.01f) ns = glm::normalize(ns + (0.01f - cos_o) * wo);
-  const vec3 reflected = 2.0f * glm::dot(ns, wo) * ns - wo;
-  const float limit = glm::min(0.9f * glm::dot(ng, wo), 0.01f);
-  const float above = glm::dot(reflected, ng);
-  if (above >= limit) return ns;
-  return glm::normalize(wo + glm::normalize(reflected + (limit - above) * ng));
 }
 
 /// The base's textures of a material at one point, located before the first is read.
@@ -96,16 +83,15 @@ void fetch_base(const MaterialData& material, const BaseFootprints& at, vec3 bas
 }
 
 /// KHR_materials_pbrSpecularGlossiness. Its diffuse colour is what the boundary leaves of the layer below; a
-/// metallic-roughness base colour is the layer itself, seen through a boundary of 4 % (shade/workflow.glsl.h).
+/// metallic-roughness base colour is the layer itself (shade/workflow.glsl.h).
 void fetch_specular_glossiness(const MaterialData& material, const MeshData& mesh, const uvec3& t, vec3 b,
                                shade::SurfaceParams& params) {
   if (const auto& texture = material.texture<&Material::specular_glossiness_texture>()) {
     const vec4 texel = texture.sample(mesh.uv(t, b, texture.uv_set()));
     params.specular_color *= vec3(texel);
-    params.roughness = 1.0f - (1.0f - params.roughness) * texel.w;
+    params.roughness = shade::workflow_roughness(params.roughness, texel.w);
   }
-  const float left = 1.0f - shade::shade_max3(params.specular_color);
-  params.base_color = glm::min(params.base_color * (left / (1.0f - shade::kWorkflowF0)), vec3(1.0f));
+  params.base_color = shade::workflow_base_color(params.base_color, params.specular_color);
 }
 
 /// The tangent and bitangent of the front, wherever the viewer is.
@@ -117,22 +103,45 @@ Frame front_frame(const Placement& placement, const MeshData& mesh, const uvec3&
   return frame_from_tangent(front, tangent);
 }
 
-/// The normal that a map gives at a point, on the viewer's side; `ns` where the map has none.
-vec3 mapped_normal(vec4 texel, float scale, const Frame& frame, bool flip, vec3 ns, bool is_back) {
-  vec3 local = vec3(texel) * 2.0f - 1.0f;
-  local.x *= scale;
-  local.y *= flip ? -scale : scale;
-  const vec3 mapped = frame.to_world(local);
-  const float mapped2 = glm::dot(mapped, mapped);
-  return mapped2 > 1e-12f ? mapped * (glm::inversesqrt(mapped2) * (is_back ? -1.0f : 1.0f)) : ns;
+/// The directions that lobes follow, in the world: what is returned is that of the base, 0 where it has none.
+vec3 fetch_directions(const MaterialData& material, const MeshData& mesh, const uvec3& t, vec3 b, const Frame& front,
+                      shade::SurfaceParams& params) {
+  vec3 base(0.0f);
+  for_each_direction([&](auto i) {
+    constexpr const DirectionRow& kRow = kDirectionRows[i];
+    constexpr std::size_t kSlot = texture_slot_index(kRow.texture);
+    if ((params.lobes & kRow.lobe) == 0) return;
+    const float rotation = material.factors.*kRow.rotation;
+    vec2 turn(std::cos(rotation), std::sin(rotation));
+    if (const TextureReader& texture = material.textures[kSlot]) {
+      const vec4 texel = texture.sample(mesh.uv(t, b, texture.uv_set()));
+      turn = shade::normal_turned(turn, vec2(texel));
+      apply_texel<kSlot>(texel, material.factors, params);
+    }
+    const vec3 direction = front.t * turn.x + front.b * turn.y;
+    if constexpr (kRow.param != nullptr) {
+      params.*kRow.param = direction;
+    } else {
+      base = direction;
+    }
+  });
+  return base;
+}
+
+/// The other ones, from the world to the shading frame.
+void turn_directions(const Frame& frame, shade::SurfaceParams& params) {
+  for_each_direction([&](auto i) {
+    constexpr const DirectionRow& kRow = kDirectionRows[i];
+    if constexpr (kRow.param != nullptr) params.*kRow.param = frame.to_local(params.*kRow.param);
+  });
 }
 
 /// Everything beyond metallic-roughness.
 void fetch_layers(const MaterialData& material, const MeshData& mesh, const uvec3& t, vec3 b,
                   shade::SurfaceParams& params) {
   for_each_texture([&](auto slot) {
-    // That of anisotropy has a direction too, and waits for the frame.
-    if constexpr (is_layer_texture(slot) && slot != kAnisotropySlot) {
+    // Those that say a direction too wait for the frame.
+    if constexpr (is_layer_texture(slot) && !is_direction_texture(slot)) {
       const TextureReader& texture = material.textures[slot];
       if (texture) apply_texel<slot>(texture.sample(mesh.uv(t, b, texture.uv_set())), material.factors, params);
     }
@@ -260,18 +269,20 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
     bool flip = false;
     const vec3 side_normal = point.is_back ? -ns : ns;
     front = front_frame(placement, mesh, t, b, side_normal, flip);
+    const mat3 front_matrix(front.t, front.b, front.n);
+    const float front_side = point.is_back ? -1.0f : 1.0f;
     if (const auto& texture = material.texture<&Material::clearcoat_normal_texture>()) {
       const vec4 texel = texture.sample(mesh.uv(t, b, texture.uv_set()));
-      coat_normal = mapped_normal(texel, m.clearcoat_normal_scale, front, flip, ns, point.is_back);
+      coat_normal = shade::normal_mapped(vec3(texel), m.clearcoat_normal_scale, front_matrix, flip, ns, front_side);
     }
     if (material.texture<&Material::normal_texture>()) {
       const vec4 texel = at.read<&Material::normal_texture>(material);
-      ns = mapped_normal(texel, m.normal_scale, front, flip, ns, point.is_back);
+      ns = shade::normal_mapped(vec3(texel), m.normal_scale, front_matrix, flip, ns, front_side);
     }
     // What an anisotropy texture turns counter-clockwise turns so in the map's own frame.
     if (flip) front.b = -front.b;
   }
-  ns = keep_reflection_outside(ns, ng, wo);
+  ns = shade::normal_kept_outside(ns, ng, wo);
 
   // ----- the material
   vec3 base_color = m.base_color * placement.color * vec3(mesh.color(t, b));
@@ -296,22 +307,14 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
   vec3 tangent(0.0f);
   if (params.lobes != 0) {
     fetch_layers(material, mesh, t, b, params);
-    if ((params.lobes & shade::kLobeAnisotropy) != 0 && has_tangents) {
-      vec2 turn(std::cos(m.anisotropy_rotation), std::sin(m.anisotropy_rotation));
-      if (const TextureReader& texture = material.textures[kAnisotropySlot]) {
-        const vec4 texel = texture.sample(mesh.uv(t, b, texture.uv_set()));
-        const vec2 d = vec2(texel) * 2.0f - 1.0f;
-        turn = {turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y};
-        apply_texel<kAnisotropySlot>(texel, m, params);
-      }
-      tangent = front.t * turn.x + front.b * turn.y;
-    }
+    if (has_tangents) tangent = fetch_directions(material, mesh, t, b, front, params);
     if (material.has_medium) params.eta = eta;
   }
   point.frame = max_component(glm::abs(tangent)) > 0.0f ? frame_from_tangent(ns, tangent) : frame_from_normal(ns);
   point.wo = point.frame.to_local(wo);
+  if (has_tangents && params.lobes != 0) turn_directions(point.frame, params);
   if ((params.lobes & shade::kLobeClearcoat) != 0) {
-    params.clearcoat_normal = point.frame.to_local(keep_reflection_outside(coat_normal, ng, wo));
+    params.clearcoat_normal = point.frame.to_local(shade::normal_kept_outside(coat_normal, ng, wo));
   }
   shade::surface_prepare_in(params, point.wo, point.surface);
   if (material.is_emissive && (!point.is_back || m.double_sided)) {

@@ -15,6 +15,7 @@
 #include "ibl/sh.h"
 #include "image/texture_file.h"
 #include "math/hash.h"
+#include "scene/material_table.h"
 
 namespace candela::raster {
 
@@ -159,7 +160,7 @@ LightKey light_key(const Environment& environment, bool wants_sheen) {
 
 bool uses_sheen(const Scene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(),
-                     [](const Material& m) { return max_component(m.sheen_color) > 0.0f && !m.unlit; });
+                     [](const Material& m) { return (lobes_of(m) & shade::kLobesOfFibres) != 0 && !m.unlit; });
 }
 
 bool is_lit_from_far(const Environment& environment) {

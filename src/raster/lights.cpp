@@ -9,6 +9,7 @@
 #include "math/box.h"
 #include "scene/environment.h"
 #include "scene/view.h"
+#include "shade/lights.glsl.h"
 #include "shade/surface_base.glsl.h"
 
 namespace candela::raster {
@@ -42,8 +43,9 @@ Entry punctual(const Scene& scene, const Node& node, const GpuScene& gpu) {
   // Profiles are stored over their largest value, so that half floats hold them.
   if (has_profile) color *= peak(scene.ies_profiles[static_cast<std::size_t>(light.ies)]);
   Entry e;
-  static_assert(static_cast<int>(LightType::point) == 0 && static_cast<int>(LightType::spot) == 1 &&
-                static_cast<int>(LightType::directional) == 2);
+  static_assert(static_cast<int>(LightType::point) == shade::kPointLight &&
+                static_cast<int>(LightType::spot) == shade::kSpotLight &&
+                static_cast<int>(LightType::directional) == shade::kDirectionalLight);
   e.light.position = vec3(world[3]);
   e.light.kind = static_cast<int>(light.type);
   e.light.direction = unit(transform_vector(world, {0, 0, -1}), {0, 0, -1});

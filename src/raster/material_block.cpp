@@ -15,8 +15,6 @@ namespace candela::raster {
 
 namespace {
 
-float rotation_cos(const Material& m) { return std::cos(m.anisotropy_rotation); }
-float rotation_sin(const Material& m) { return std::sin(m.anisotropy_rotation); }
 float cutoff(const Material& m) { return drawn_cutoff(m.alpha_cutoff); }
 
 /// The mean free path, for each colour; Christensen & Burley 2015, "Approximate Reflectance Profiles for Efficient
@@ -41,8 +39,6 @@ struct Derived {
 };
 
 constexpr auto kDerived = std::to_array<Derived>({
-    {"anisotropy_cos", rotation_cos, nullptr, "of anisotropy_rotation"},
-    {"anisotropy_sin", rotation_sin, nullptr, ""},
     {"drawn_cutoff", cutoff, nullptr, "alpha_cutoff, less what rounding takes"},
     {"extinction", nullptr, volume_extinction, "1/m"},
     {"scatter_width", nullptr, scattering_width, "how wide light spreads in a scattering body, metres"},
@@ -59,21 +55,32 @@ struct UvTransform {
 static_assert(offsetof(UvTransform, along_v) == 8 && offsetof(UvTransform, offset) == 16 &&
               offsetof(UvTransform, uv_set) == 24 && sizeof(UvTransform) == 32);
 
-constexpr std::size_t kFields = kMaterialProperties.size() + kDerived.size();
+// The block holds the properties, what is derived of them, and cosine and sine of each direction's rotation, of which a
+// driver's own have few digits.
+constexpr std::size_t kFirstDerived = kMaterialProperties.size();
+constexpr std::size_t kFirstDirection = kFirstDerived + kDerived.size();
+constexpr std::size_t kFields = kFirstDirection + 2 * kDirectionRows.size();
 
 constexpr bool is_color(std::size_t field) {
-  return field < kMaterialProperties.size() ? kMaterialProperties[field].member.is_color()
-                                            : kDerived[field - kMaterialProperties.size()].color != nullptr;
+  if (field >= kFirstDirection) return false;
+  return field < kFirstDerived ? kMaterialProperties[field].member.is_color()
+                               : kDerived[field - kFirstDerived].color != nullptr;
 }
 
-constexpr std::string_view name_of(std::size_t field) {
-  return field < kMaterialProperties.size() ? kMaterialProperties[field].name
-                                            : kDerived[field - kMaterialProperties.size()].name;
+/// Of a direction, in the shaders.
+std::string_view name_of(const DirectionRow& row) { return kTextureRows[texture_slot_index(row.texture)].name; }
+
+std::string name_of(std::size_t field) {
+  if (field < kFirstDirection) {
+    return std::string(field < kFirstDerived ? kMaterialProperties[field].name : kDerived[field - kFirstDerived].name);
+  }
+  const std::size_t i = field - kFirstDirection;
+  return fmt::format("{}_{}", name_of(kDirectionRows[i / 2]), i % 2 == 0 ? "cos" : "sin");
 }
 
 constexpr std::string_view doc_of(std::size_t field) {
-  return field < kMaterialProperties.size() ? kMaterialProperties[field].doc
-                                            : kDerived[field - kMaterialProperties.size()].doc;
+  if (field >= kFirstDirection) return "of its rotation";
+  return field < kFirstDerived ? kMaterialProperties[field].doc : kDerived[field - kFirstDerived].doc;
 }
 
 constexpr std::size_t aligned(std::size_t at, std::size_t alignment) {
@@ -118,6 +125,16 @@ std::string fetch_text(const MaterialProperty& row) {
   return text + "#endif\n";
 }
 
+/// A direction, of the front's tangent and bitangent.
+std::string direction_text(const DirectionRow& row) {
+  return fmt::format(
+      "vec3 {0}_direction(vec3 t, vec3 b) {{\n"
+      "  vec2 turn = vec2(material.{0}_cos, material.{0}_sin);\n"
+      "#ifdef HAS_{0}\n  turn = normal_turned(turn, {0}_texel().xy);\n#endif\n"
+      "  return t * turn.x + b * turn.y;\n}}\n",
+      name_of(row));
+}
+
 }  // namespace
 
 bool is_scattering(const Material& m) {
@@ -157,6 +174,10 @@ void write_material_block(const Material& m, std::span<const int> more_sets, std
     row.color != nullptr ? put(field, row.color(m)) : put(field, row.number(m));
     ++field;
   }
+  for (const DirectionRow& row : kDirectionRows) {
+    put(field++, std::cos(m.*row.rotation));
+    put(field++, std::sin(m.*row.rotation));
+  }
   const auto slots = texture_slots(m);
   for (std::size_t i = 0; i < kTextureSlots; ++i) {
     const auto& t = slots[i]->transform;
@@ -176,11 +197,17 @@ std::string material_block_text() {
 }
 
 std::string material_fetch_text() {
-  std::string base, layers;
+  std::string base, layers, directions, turned;
+  for (const DirectionRow& row : kDirectionRows) {
+    directions += direction_text(row);
+    if (row.param == nullptr) continue;
+    turned += fmt::format("  p.{} = {}_direction(t, b) * frame;\n", row.param_name, name_of(row));
+  }
   for (const MaterialProperty& row : kMaterialProperties) {
     if (row.param) (row.lobe.bit == 0 ? base : layers) += fetch_text(row);
   }
-  return "void fetch_factors(inout SurfaceParams p) {\n" + base + "#ifdef HAS_LAYERS\n" + layers + "#endif\n}\n";
+  return "void fetch_factors(inout SurfaceParams p) {\n" + base + "#ifdef HAS_LAYERS\n" + layers + "#endif\n}\n" +
+         directions + "void fetch_directions(vec3 t, vec3 b, mat3 frame, inout SurfaceParams p) {\n" + turned + "}\n";
 }
 
 std::string factor_texts(std::size_t slot) {

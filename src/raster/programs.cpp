@@ -110,6 +110,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(key.is_unlit, "IS_UNLIT");
   add(key.is_specular_glossiness, "IS_SPECULAR_GLOSSINESS");
   add(key.lobes != 0, "HAS_LAYERS");
+  add(has(shade::kLobesOfFibres), "HAS_FIBRES");
   for (const LobeRow& lobe : kLobes) add(has(lobe.bit), "LOBE_" + std::string(lobe.name));
   add(key.alpha_mode == AlphaMode::mask, "ALPHA_MASK");
   add(key.alpha_mode == AlphaMode::mask && pass.has_coverage, "ALPHA_TO_COVERAGE");

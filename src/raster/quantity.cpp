@@ -34,21 +34,7 @@ bool shows_numbers(Quantity quantity) {
   return is_of_surface(quantity) || quantity == Quantity::luminance || quantity == Quantity::non_finite;
 }
 
-Quantity quantity_of(Layer layer) {
-  switch (layer) {
-    case Layer::albedo:
-      return Quantity::albedo;
-    case Layer::normal:
-      return Quantity::normal;
-    case Layer::depth:
-      return Quantity::depth;
-    case Layer::position:
-      return Quantity::position;
-    case Layer::object_id:
-      return Quantity::object_id;
-  }
-  return Quantity::light;
-}
+Quantity quantity_of(Layer layer) { return parse_quantity(layer_name(layer)); }
 
 int parts_of(Quantity quantity) {
   switch (quantity) {

@@ -10,6 +10,7 @@
 #include "gl/gl.h"
 #include "math/hash.h"
 #include "raster/renderer.h"
+#include "shade/lens.glsl.h"
 #include "shade/surface_params.glsl.h"
 
 namespace candela::raster {
@@ -49,7 +50,7 @@ void apply_vignetting(const View& view, Image& image) {
     for (int x = 0; x < image.width; ++x) {
       const vec2 p = (2.0f * (vec2(x, y) + 0.5f) / size - 1.0f) * vec2(half * size.x / size.y, half);
       const float cos2 = 1.0f / (1.0f + glm::dot(p, p));
-      const float weight = glm::mix(1.0f, cos2 * cos2, view.lens.vignetting);
+      const float weight = shade::lens_vignetting(cos2, view.lens.vignetting);
       for (int c = 0; c < 3; ++c) image.pixels[image.index(x, y) + static_cast<std::size_t>(c)] *= weight;
     }
   }

@@ -149,7 +149,9 @@ void Renderer::set_scene(const Scene& scene) {
   if (wants_scattering() > has_scattering_ || wants_opaque_picture() > has_opaque_picture_) make_targets();
 }
 
-bool Renderer::lacks_sheen_light() const { return has_light_ && !has_sheen_light_ && gpu_.has_lobe(shade::kLobeSheen); }
+bool Renderer::lacks_sheen_light() const {
+  return has_light_ && !has_sheen_light_ && gpu_.has_lobe(shade::kLobesOfFibres);
+}
 
 bool Renderer::wants_scattering() const { return gpu_.has_scattering() && !is_of_surface(settings_.quantity); }
 bool Renderer::wants_opaque_picture() const { return gpu_.has_lobe(shade::kLobeTransmission); }
@@ -449,7 +451,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture, int frame) {
   pass.has_probes = !probes_.empty();
   // A large light's hard shadow would be a lie.
   pass.has_soft_shadows = lights_.shadow_count > 0 && (settings_.has_soft_shadows || pass.has_areas);
-  pass.has_sheen_light = gpu_.has_lobe(shade::kLobeSheen);
+  pass.has_sheen_light = gpu_.has_lobe(shade::kLobesOfFibres);
   pass.has_scattering = has_scattering_;
   if (has_scattering_) {
     use_color_attachments(3);

@@ -183,14 +183,14 @@ Image Renderer::read_layer(const View& view, Layer layer) {
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  const float nothing = layer == Layer::depth ? kInfinity : layer == Layer::albedo ? 1.0f : 0.0f;
+  const float nothing = layer_info(layer).nothing;
   const std::array<float, 4> clear = {nothing, nothing, nothing, 0.0f};
   glClearBufferfv(GL_COLOR, 0, clear.data());
   glClearDepthf(1.0f);
   glClear(GL_DEPTH_BUFFER_BIT);
   draw_quantity(quantity_of(layer), camera);
   const Image rgba = read_pixels(settings_.width, settings_.height);
-  const int channels = layer == Layer::depth || layer == Layer::object_id ? 1 : 3;
+  const int channels = layer_channels(layer);
   Image image(settings_.width, settings_.height, channels);
   for (std::size_t i = 0; i < rgba.pixels.size() / 4; ++i) {
     for (int c = 0; c < channels; ++c) {

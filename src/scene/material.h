@@ -50,6 +50,9 @@ struct Material {
   TextureSlot emissive_texture;        ///< sRGB
   TextureSlot specular_texture;        ///< A
   TextureSlot specular_color_texture;  ///< sRGB
+  /// EXT_materials_specular_edge_color (draft), 0 or 1: the specular colour tints a dielectric's reflection at every
+  /// angle, and a metal's near 82°.
+  float specular_edge_color = 0.0f;
 
   // KHR_materials_clearcoat
   float clearcoat = 0.0f;
@@ -64,6 +67,10 @@ struct Material {
   float clearcoat_darkening = 0.0f;         ///< how much counts of the light that its underside sends back down
   TextureSlot clearcoat_color_texture;      ///< sRGB
   TextureSlot clearcoat_darkening_texture;  ///< R
+  // KHR_materials_clearcoat_anisotropy (draft)
+  float clearcoat_anisotropy = 0.0f;
+  float clearcoat_anisotropy_rotation = 0.0f;  ///< radians, counter-clockwise from the tangent
+  TextureSlot clearcoat_anisotropy_texture;    ///< RG direction in [-1, 1], B strength
 
   // KHR_materials_sheen
   vec3 sheen_color{0.0f};
@@ -102,6 +109,14 @@ struct Material {
   // KHR_materials_retroreflection (release candidate): which share of what facets reflect returns to where it came from
   float retroreflection = 0.0f;
   TextureSlot retroreflection_texture;  ///< R
+
+  // KHR_materials_fuzz (draft): fibres on top of everything, in place of a sheen
+  float fuzz = 0.0f;
+  vec3 fuzz_color{1.0f};
+  float fuzz_roughness = 0.5f;
+  TextureSlot fuzz_texture;            ///< R
+  TextureSlot fuzz_color_texture;      ///< sRGB
+  TextureSlot fuzz_roughness_texture;  ///< A
 
   // KHR_materials_diffuse_roughness (draft): 0 = Lambert's diffuse layer, 1 = facets that stand every way
   float diffuse_roughness = 0.0f;

@@ -43,6 +43,20 @@ bool has_effect(const Material& m, std::size_t slot) {
   return !is_factor;  // what no number multiplies shows
 }
 
+const TextureSlot* tangent_slot(const Material& m) {
+  for (const TextureSlot* slot : {&m.normal_texture, &m.clearcoat_normal_texture}) {
+    if (*slot) return slot;
+  }
+  for (const DirectionRow& row : kDirectionRows) {
+    if (m.*row.texture) return &(m.*row.texture);
+  }
+  const int lobes = lobes_of(m);
+  for (const DirectionRow& row : kDirectionRows) {
+    if ((lobes & row.lobe) != 0) return &(m.*row.texture);
+  }
+  return nullptr;
+}
+
 std::vector<std::string_view> material_lobes(const Material& m) {
   if (m.unlit) return {"unlit"};
   const bool transmits = m.transmission > 0.0f || m.diffuse_transmission > 0.0f;

@@ -33,10 +33,18 @@ struct JsonSource {
   /// What stands there where the place is and the key is not; none: what a material has without the place.
   std::optional<float> implied = {};
 
+  /// The file has true or false there, which are 1 and 0.
+  bool is_flag = false;
+
   constexpr bool is_special() const { return place == kSpecialPlace; }
   constexpr JsonSource implying(float value) const {
     JsonSource source = *this;
     source.implied = value;
+    return source;
+  }
+  constexpr JsonSource flag() const {
+    JsonSource source = *this;
+    source.is_flag = true;
     return source;
   }
 };
@@ -54,13 +62,24 @@ struct UnratifiedExtension {
   std::string_view why;
 };
 inline constexpr auto kUnratifiedExtensions = std::to_array<UnratifiedExtension>({
+    {"EXT_materials_specular_edge_color", "a draft"},
     {"KHR_materials_diffuse_transmission", "a release candidate, not ratified"},
+    {"KHR_materials_clearcoat_anisotropy", "a draft"},
     {"KHR_materials_clearcoat_color", "a draft"},
     {"KHR_materials_clearcoat_darkening", "a draft"},
     {"KHR_materials_clearcoat_ior", "a draft"},
     {"KHR_materials_diffuse_roughness", "a draft"},
+    {"KHR_materials_fuzz", "a draft"},
     {"KHR_materials_retroreflection", "a release candidate, not ratified"},
 });
+
+/// Extensions that stand in a file for viewers which do not know another one, by which they are replaced.
+struct FallbackExtension {
+  std::string_view name;
+  std::string_view replaced_by;
+};
+inline constexpr auto kFallbackExtensions =
+    std::to_array<FallbackExtension>({{"KHR_materials_sheen", "KHR_materials_fuzz"}});
 
 // ----- textures
 
@@ -79,6 +98,8 @@ struct TextureRow {
 inline constexpr std::string_view kPbrPlace = "pbrMetallicRoughness";
 inline constexpr std::string_view kSpecularPlace = "extensions/KHR_materials_specular";
 inline constexpr std::string_view kClearcoatPlace = "extensions/KHR_materials_clearcoat";
+inline constexpr std::string_view kClearcoatAnisotropyPlace =
+    "extensions/KHR_materials_clearcoat/extensions/KHR_materials_clearcoat_anisotropy";
 inline constexpr std::string_view kClearcoatColorPlace =
     "extensions/KHR_materials_clearcoat/extensions/KHR_materials_clearcoat_color";
 inline constexpr std::string_view kClearcoatDarkeningPlace =
@@ -88,6 +109,7 @@ inline constexpr std::string_view kAnisotropyPlace = "extensions/KHR_materials_a
 inline constexpr std::string_view kIridescencePlace = "extensions/KHR_materials_iridescence";
 inline constexpr std::string_view kTransmissionPlace = "extensions/KHR_materials_transmission";
 inline constexpr std::string_view kVolumePlace = "extensions/KHR_materials_volume";
+inline constexpr std::string_view kFuzzPlace = "extensions/KHR_materials_fuzz";
 inline constexpr std::string_view kRetroreflectionPlace = "extensions/KHR_materials_retroreflection";
 inline constexpr std::string_view kDiffuseRoughnessPlace = "extensions/KHR_materials_diffuse_roughness";
 inline constexpr std::string_view kDiffuseTransmissionPlace = "extensions/KHR_materials_diffuse_transmission";
@@ -112,6 +134,10 @@ inline constexpr auto kTextureRows = [] {
        &M::clearcoat_darkening_texture,
        {kClearcoatDarkeningPlace, "clearcoatDarkeningTexture"},
        data},
+      {"clearcoat_anisotropy",
+       &M::clearcoat_anisotropy_texture,
+       {kClearcoatAnisotropyPlace, "clearcoatAnisotropyTexture"},
+       data},
       {"sheen_color", &M::sheen_color_texture, {kSheenPlace, "sheenColorTexture"}, color},
       {"sheen_roughness", &M::sheen_roughness_texture, {kSheenPlace, "sheenRoughnessTexture"}, alpha},
       {"anisotropy", &M::anisotropy_texture, {kAnisotropyPlace, "anisotropyTexture"}, data},
@@ -132,6 +158,9 @@ inline constexpr auto kTextureRows = [] {
        color},
       {"diffuse_roughness", &M::diffuse_roughness_texture, {kDiffuseRoughnessPlace, "diffuseRoughnessTexture"}, data},
       {"retroreflection", &M::retroreflection_texture, {kRetroreflectionPlace, "retroreflectionTexture"}, data},
+      {"fuzz", &M::fuzz_texture, {kFuzzPlace, "fuzzTexture"}, data},
+      {"fuzz_color", &M::fuzz_color_texture, {kFuzzPlace, "fuzzColorTexture"}, color},
+      {"fuzz_roughness", &M::fuzz_roughness_texture, {kFuzzPlace, "fuzzRoughnessTexture"}, alpha},
       {"scatter_strength", &M::scatter_strength_texture, {kSpecialPlace, "scatterStrengthTexture"}, alpha},
       {"multiscatter_color", &M::multiscatter_color_texture, {kSpecialPlace, "multiscatterColorTexture"}, color},
       {"specular_glossiness", &M::specular_glossiness_texture, {kSpecialPlace, "specularGlossinessTexture"}, color},
@@ -220,6 +249,9 @@ inline constexpr auto kLobes = std::to_array<LobeRow>({
     {shade::kLobeDiffuseTransmission, "diffuse transmission", "diffuse_transmission"},
     {shade::kLobeDiffuseRoughness, "diffuse roughness", "diffuse_roughness"},
     {shade::kLobeRetroreflection, "retroreflection", "retroreflection"},
+    {shade::kLobeFuzz, "fuzz", "fuzz"},
+    {shade::kLobeCoatAnisotropy, "clearcoat anisotropy", "clearcoat_anisotropy"},
+    {shade::kLobeEdgeColor, "specular edge color", "edge_color"},
 });
 
 /// The lobe that alone reads a property.
@@ -321,6 +353,12 @@ inline constexpr auto kMaterialProperties = [] {
       Row("specular_color", &M::specular_color, {kSpecularPlace, "specularColorFactor"}, kNotNegative,
           {&M::specular_color_texture, rgb}, kBase, &P::specular_color, "of its F0"),
 
+      Row("specular_edge_color", &M::specular_edge_color,
+          JsonSource{"extensions/KHR_materials_specular/extensions/EXT_materials_specular_edge_color",
+                     "specularEdgeColorEnabled"}
+              .flag(),
+          kUnit, kNoTexture, {kLobeEdgeColor, kSwitch}, kNoParam, "1: the specular colour is that of the whole lobe"),
+
       Row("clearcoat", &M::clearcoat, {kClearcoatPlace, "clearcoatFactor"}, kUnit, {&M::clearcoat_texture, red},
           {kLobeClearcoat, kSwitch}, &P::clearcoat, "weight of the coat"),
       Row("clearcoat_roughness", &M::clearcoat_roughness, {kClearcoatPlace, "clearcoatRoughnessFactor"}, kUnit,
@@ -338,6 +376,13 @@ inline constexpr auto kMaterialProperties = [] {
           JsonSource{kClearcoatDarkeningPlace, "clearcoatDarkeningFactor"}.implying(1.0f), kUnit,
           {&M::clearcoat_darkening_texture, red}, {kLobeClearcoat}, &P::clearcoat_darkening,
           "how much counts of what the coat sends back down"),
+
+      Row("clearcoat_anisotropy", &M::clearcoat_anisotropy, {kClearcoatAnisotropyPlace, "clearcoatAnisotropyStrength"},
+          kUnit, {&M::clearcoat_anisotropy_texture, blue}, {kLobeCoatAnisotropy, kSwitch}, &P::clearcoat_anisotropy,
+          "how much wider the coat's lobe is along its direction"),
+      Row("clearcoat_anisotropy_rotation", &M::clearcoat_anisotropy_rotation,
+          {kClearcoatAnisotropyPlace, "clearcoatAnisotropyRotation"}, kFinite, {&M::clearcoat_anisotropy_texture},
+          {kLobeCoatAnisotropy}, kNoParam, "of that direction, from the tangent"),
 
       Row("sheen_color", &M::sheen_color, {kSheenPlace, "sheenColorFactor"}, kUnit, {&M::sheen_color_texture, rgb},
           {kLobeSheen, kSwitch}, &P::sheen_color, "of the fibres"),
@@ -391,6 +436,12 @@ inline constexpr auto kMaterialProperties = [] {
       Row("retroreflection", &M::retroreflection, {kRetroreflectionPlace, "retroreflectionFactor"}, kUnit,
           {&M::retroreflection_texture, red}, {kLobeRetroreflection, kSwitch}, &P::retroreflection,
           "share of what facets reflect that returns to where it came from"),
+      Row("fuzz", &M::fuzz, {kFuzzPlace, "fuzzFactor"}, kUnit, {&M::fuzz_texture, red}, {kLobeFuzz, kSwitch}, &P::fuzz,
+          "weight of fibres above everything"),
+      Row("fuzz_color", &M::fuzz_color, {kFuzzPlace, "fuzzColorFactor"}, kUnit, {&M::fuzz_color_texture, rgb},
+          {kLobeFuzz}, &P::fuzz_color, "of these fibres"),
+      Row("fuzz_roughness", &M::fuzz_roughness, {kFuzzPlace, "fuzzRoughnessFactor"}, kUnit,
+          {&M::fuzz_roughness_texture, alpha}, {kLobeFuzz}, &P::fuzz_roughness, "how far they stray"),
       Row("sheet_scatter", &M::sheet_scatter, kSpecial, kUnit, {&M::scatter_strength_texture, alpha},
           {kLobeDiffuseTransmission}, {&P::scatter, "scatter"}, "share of what a sheet transmits that is scattered"),
       Row("multiscatter_color", &M::multiscatter_color, kSpecial, kUnit, {&M::multiscatter_color_texture, rgb},
@@ -405,6 +456,43 @@ inline constexpr auto kMaterialProperties = [] {
   });
 }();
 
+// ----- directions
+
+/// A direction in the surface that a lobe follows: so far from the tangent, and farther by what red and green of a
+/// texture say.
+struct DirectionRow {
+  float Material::*rotation;  ///< radians, counter-clockwise
+  TextureSlot Material::*texture;
+  int lobe;                           ///< that follows it
+  vec3 shade::SurfaceParams::*param;  ///< in the shading frame; none: it is the x axis of that frame
+  std::string_view param_name;
+};
+
+inline constexpr auto kDirectionRows = std::to_array<DirectionRow>({
+    {&Material::anisotropy_rotation, &Material::anisotropy_texture, shade::kLobeAnisotropy, nullptr, {}},
+    {&Material::clearcoat_anisotropy_rotation, &Material::clearcoat_anisotropy_texture, shade::kLobeCoatAnisotropy,
+     &shade::SurfaceParams::clearcoat_direction, "clearcoat_direction"},
+});
+
+/// Whether the texels of a slot say a direction, whatever else they say.
+constexpr bool is_direction_texture(std::size_t slot) {
+  return std::any_of(kDirectionRows.begin(), kDirectionRows.end(),
+                     [slot](const DirectionRow& row) { return row.texture == kTextureRows[slot].slot; });
+}
+
+/// Lobes that need tangents.
+inline constexpr int kLobesWithDirection = [] {
+  int lobes = 0;
+  for (const DirectionRow& row : kDirectionRows) lobes |= row.lobe;
+  return lobes;
+}();
+
+/// The texture whose coordinates say where tangents point: an empty one (set 0 as it is) when only a direction's
+/// factors ask for them; null when nothing does.
+const TextureSlot* tangent_slot(const Material& material);
+
+// ----- loops
+
 /// Calls `f` with the number of each row as a std::integral_constant, for what the compiler shall unroll.
 template <class F>
 constexpr void for_each_property(F&& f) {
@@ -417,6 +505,13 @@ template <class F>
 constexpr void for_each_texture(F&& f) {
   [&]<std::size_t... I>(std::index_sequence<I...>) { (f(std::integral_constant<std::size_t, I>{}), ...); }
   (std::make_index_sequence<kTextureSlots>{});
+}
+
+/// The same for the directions.
+template <class F>
+constexpr void for_each_direction(F&& f) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) { (f(std::integral_constant<std::size_t, I>{}), ...); }
+  (std::make_index_sequence<kDirectionRows.size()>{});
 }
 
 /// The row of a member.

@@ -18,17 +18,19 @@ struct LayersAt {
   float sheen_scale;  ///< of the sheen lobe itself
 };
 
-/// At cosines to the coat's normal and to the base's, above a base of this roughness.
-SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, float coat_mu, float mu, float roughness) {
+/// Where the coat's split-sum terms are `coat_ab`, at cosines to the fibres' normal and to the base's, above a base of
+/// this roughness.
+SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, vec2 coat_ab, float sheen_mu, float mu, float roughness) {
   LayersAt at;
-  at.coat = coat_at(s, coat_mu, mu, roughness);
-  at.sheen = sheen_at(s, mu, roughness);
-  at.sheen_scale = sheen_scale(s, mu);
+  at.coat = coat_at(s, coat_ab, mu, roughness);
+  at.sheen = sheen_at(s, sheen_mu, mu, roughness);
+  at.sheen_scale = sheen_scale(s, sheen_mu);
   return at;
 }
 
 SHADE_APART SHADE_FN LayersAt layers_at(SHADE_IN(Surface) s, vec3 w) {
-  return layers_at_cosines(s, coat_cosine(s, w), abs(w.z), anisotropy_roughness_along(s, w));
+  vec2 coat_ab = (s.lobes & kLobeClearcoat) != 0 ? coat_ggx(s, w) : vec2(0.0f);
+  return layers_at_cosines(s, coat_ab, sheen_cosine(s, w), abs(w.z), anisotropy_roughness_along(s, w));
 }
 
 /// Share of light that reaches the base.
@@ -36,7 +38,7 @@ SHADE_FN float layers_through(SHADE_IN(Surface) s, float coat_albedo, float shee
   return (1.0f - s.coat * coat_albedo) * (1.0f - s.sheen_weight * sheen_albedo);
 }
 
-/// Share of light that crosses the coat twice, from wo to the direction that `at` belongs to.
+/// Share of light that crosses the coat above a sheen twice, from wo to the direction that `at` belongs to.
 SHADE_FN float layers_below_coat(SHADE_IN(Surface) s, LayersAt at) {
   if (s.model.literal_layers) return s.coat_over_o;
   return (1.0f - s.coat * s.coat_albedo_o) * (1.0f - s.coat * at.coat.albedo);
@@ -91,7 +93,9 @@ SHADE_FN float layers_transmission_mean(SHADE_IN(Surface) s) {
     float weight = i == 0 || i == 4 ? 0.1184634425f : i == 2 ? 0.2844444444f : 0.2393143352f;
     float mu = t * t;
     vec2 ab = table_ggx_curve(mu, s.row, s.curve);
-    sum += weight * 4.0f * t * mu * layers_transmission(s, layers_at_cosines(s, mu, mu, s.roughness), ab, mu, s.row);
+    vec2 coat_ab = (s.lobes & kLobeClearcoat) != 0 ? table_ggx_curve(mu, s.coat_row, s.coat_curve) : vec2(0.0f);
+    LayersAt at = layers_at_cosines(s, coat_ab, mu, mu, s.roughness);
+    sum += weight * 4.0f * t * mu * layers_transmission(s, at, ab, mu, s.row);
   }
   return sum;
 }

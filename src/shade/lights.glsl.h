@@ -7,6 +7,11 @@
 
 SHADE_BEGIN
 
+// What kinds there are.
+SHADE_CONST int kPointLight = 0;
+SHADE_CONST int kSpotLight = 1;
+SHADE_CONST int kDirectionalLight = 2;
+
 // How the light of a point or spot falls off. Only the first two have the units of a lamp; the others are an artist's.
 SHADE_CONST int kFalloffInverseSquare = 0;
 SHADE_CONST int kFalloffGltf = 1;
@@ -63,6 +68,33 @@ SHADE_FN float light_spot_gltf(float cos_angle, float cos_inner, float cos_outer
 /// ramp has a third of its length as its integral.
 SHADE_FN float light_spot_solid_angle(float cos_inner, float cos_outer) {
   return 2.0f * kShadePi * ((1.0f - cos_inner) + (cos_inner - cos_outer) / 3.0f);
+}
+
+/// A lamp that stands somewhere, as either engine has it. One with a profile is a point.
+struct PunctualLamp {
+  int kind;
+  vec3 direction;  ///< it shines along
+  float range;
+  int falloff;      ///< kFalloff…
+  vec3 polynomial;  ///< of that
+  float cos_inner;
+  float cos_outer;
+  vec3 across;       ///< a lamp's own +x, at right angles to `direction`
+  float handedness;  ///< -1: its node mirrors
+};
+
+/// What is left of the intensity of a point or spot at a distance, where `wi` is the way to it.
+SHADE_FN float light_left(SHADE_IN(PunctualLamp) lamp, vec3 wi, float distance) {
+  float left = light_falloff(lamp.falloff, distance, lamp.range, lamp.polynomial);
+  if (lamp.kind == kSpotLight) left *= light_spot_gltf(-dot(wi, lamp.direction), lamp.cos_inner, lamp.cos_outer);
+  return left;
+}
+
+/// The direction in a lamp's own space in which it shines towards a point that sees it along `wi`.
+SHADE_FN vec3 light_local(SHADE_IN(PunctualLamp) lamp, vec3 wi) {
+  vec3 z = -lamp.direction;
+  vec3 y = cross(z, lamp.across) * lamp.handedness;
+  return vec3(dot(-wi, lamp.across), dot(-wi, y), dot(-wi, z));
 }
 
 /// Angles of a lamp's photometric web (ANSI/IES LM-63, type C) in which it shines along `d`, radians: x horizontal from

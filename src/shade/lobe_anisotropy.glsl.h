@@ -20,14 +20,23 @@ SHADE_FN void anisotropy_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) 
   s.row = table_ggx_roughness(s.roughness);
 }
 
-/// Roughness of the base's facets along an azimuth with this squared cosine.
+/// Roughness of facets of the widths `alpha` along an azimuth with this squared cosine.
+SHADE_FN float streak_roughness_at(vec2 alpha, float cos2) {
+  return sqrt(sqrt(mix(alpha.y * alpha.y, alpha.x * alpha.x, cos2)));
+}
+
+SHADE_FN float streak_roughness_along(vec2 alpha, vec3 w) {
+  return streak_roughness_at(alpha, w.x * w.x / max(w.x * w.x + w.y * w.y, 1e-12f));
+}
+
+/// Of the base's facets.
 SHADE_FN float anisotropy_roughness_at(SHADE_IN(Surface) s, float cos2) {
-  return sqrt(sqrt(mix(s.alpha_y * s.alpha_y, s.alpha_x * s.alpha_x, cos2)));
+  return streak_roughness_at(vec2(s.alpha_x, s.alpha_y), cos2);
 }
 
 SHADE_FN float anisotropy_roughness_along(SHADE_IN(Surface) s, vec3 w) {
   if ((s.lobes & kLobeAnisotropy) == 0) return s.roughness;
-  return anisotropy_roughness_at(s, w.x * w.x / max(w.x * w.x + w.y * w.y, 1e-12f));
+  return streak_roughness_along(vec2(s.alpha_x, s.alpha_y), w);
 }
 
 /// And its row in the tables of GGX.
@@ -49,29 +58,38 @@ SHADE_FN vec2 anisotropy_terms(vec2 entry, float from, float to) {
   return vec2(1.0f - entry.x - b, b);
 }
 
-/// Split-sum terms at w by a curve.
-SHADE_FN vec2 anisotropy_ggx(SHADE_IN(Surface) s, vec3 w, TableCell curve) {
+/// Split-sum terms at w by a curve, of facets of the widths `alpha` along the frame's x and y.
+SHADE_FN vec2 streak_ggx(vec2 alpha, vec3 w, TableCell curve) {
   float mu = abs(w.z);
-  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_curve(mu, s.row, curve);
-  float along = anisotropy_roughness_along(s, w);
-  vec2 entry = table_anisotropic(mu, along, sqrt(s.alpha_x), sqrt(s.alpha_y));
+  float along = streak_roughness_along(alpha, w);
+  vec2 entry = table_anisotropic(mu, along, sqrt(alpha.x), sqrt(alpha.y));
   if (curve.i == 0) return vec2(1.0f - entry.x - entry.y, entry.y);
   TableCell row = table_ggx_roughness(along);
   return anisotropy_terms(entry, table_ggx(mu, row).y, table_ggx_curve(mu, row, curve).y);
 }
 
-/// Cosine-weighted means of the split-sum terms.
-SHADE_FN vec2 anisotropy_ggx_mean(SHADE_IN(Surface) s) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_curve_mean(s.row, s.curve);
-  vec2 entry = table_anisotropic_mean(sqrt(s.alpha_x), sqrt(s.alpha_y));
+/// Their cosine-weighted means.
+SHADE_FN vec2 streak_ggx_mean(vec2 alpha, TableCell curve) {
+  vec2 entry = table_anisotropic_mean(sqrt(alpha.x), sqrt(alpha.y));
   float from = 0.0f;
   float to = 0.0f;
   for (int i = 0; i < kAzimuths; ++i) {
-    TableCell row = table_ggx_roughness(anisotropy_roughness_at(s, anisotropy_azimuth(i)));
+    TableCell row = table_ggx_roughness(streak_roughness_at(alpha, anisotropy_azimuth(i)));
     from += table_ggx_mean(row).y * (1.0f / float(kAzimuths));
-    to += table_ggx_curve_mean(row, s.curve).y * (1.0f / float(kAzimuths));
+    to += table_ggx_curve_mean(row, curve).y * (1.0f / float(kAzimuths));
   }
   return anisotropy_terms(entry, from, to);
+}
+
+/// Split-sum terms of the base's facets.
+SHADE_FN vec2 anisotropy_ggx(SHADE_IN(Surface) s, vec3 w, TableCell curve) {
+  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_curve(abs(w.z), s.row, curve);
+  return streak_ggx(vec2(s.alpha_x, s.alpha_y), w, curve);
+}
+
+SHADE_FN vec2 anisotropy_ggx_mean(SHADE_IN(Surface) s) {
+  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_curve_mean(s.row, s.curve);
+  return streak_ggx_mean(vec2(s.alpha_x, s.alpha_y), s.curve);
 }
 
 SHADE_END

@@ -1,7 +1,7 @@
 #ifndef CANDELA_SHADE_LOBE_CLEARCOAT_GLSL_H
 #define CANDELA_SHADE_LOBE_CLEARCOAT_GLSL_H
 
-#include "shade/surface_terms.glsl.h"
+#include "shade/lobe_anisotropy.glsl.h"
 
 // KHR_materials_clearcoat: a clear boundary of its own normal above everything else.
 
@@ -16,6 +16,7 @@ SHADE_FN void coat_matter(bool has_index, SHADE_INOUT(Surface) s) {
   s.coat_strength = 1.0f;
   s.coat = 0.0f;
   s.coat_normal = vec3(0.0f, 0.0f, 1.0f);
+  s.coat_tangent = vec3(1.0f, 0.0f, 0.0f);
   s.coat_multiscatter = 0.0f;
 }
 
@@ -26,9 +27,54 @@ SHADE_FN float coat_fresnel(SHADE_IN(Surface) s, float cos_theta) {
 
 SHADE_FN float coat_cosine(SHADE_IN(Surface) s, vec3 w) { return abs(dot(s.coat_normal, w)); }
 
+// ----- in its own frame
+
+SHADE_FN vec3 coat_to_local(SHADE_IN(Surface) s, vec3 w) { return shade_to_local(s.coat_normal, s.coat_tangent, w); }
+
+SHADE_FN vec3 coat_from_local(SHADE_IN(Surface) s, vec3 w) {
+  return shade_from_local(s.coat_normal, s.coat_tangent, w);
+}
+
+/// Its split-sum terms at w.
+SHADE_FN vec2 coat_ggx(SHADE_IN(Surface) s, vec3 w) {
+  if ((s.lobes & kLobeCoatAnisotropy) != 0) return streak_ggx(s.coat_widths, coat_to_local(s, w), s.coat_curve);
+  return table_ggx_curve(coat_cosine(s, w), s.coat_row, s.coat_curve);
+}
+
+/// What single scattering between white facets loses at w. Of streaks as the table has it: 1 - A - B would leave three
+/// digits of what is little, and others for either direction.
+SHADE_APART SHADE_FN float coat_escape(SHADE_IN(Surface) s, vec3 w) {
+  if ((s.lobes & kLobeCoatAnisotropy) == 0) return base_escape(coat_ggx(s, w));
+  vec3 l = coat_to_local(s, w);
+  float along = streak_roughness_along(s.coat_widths, l);
+  float e = table_anisotropic(abs(l.z), along, sqrt(s.coat_widths.x), sqrt(s.coat_widths.y)).x;
+  return e > 1e-5f ? e : 0.0f;
+}
+
+/// Their cosine-weighted means.
+SHADE_FN vec2 coat_ggx_mean(SHADE_IN(Surface) s) {
+  if ((s.lobes & kLobeCoatAnisotropy) != 0) return streak_ggx_mean(s.coat_widths, s.coat_curve);
+  return table_ggx_curve_mean(s.coat_row, s.coat_curve);
+}
+
 /// At a direction where its split-sum terms are `ab`, at weight 1.
 SHADE_FN float coat_albedo(SHADE_IN(Surface) s, vec2 ab) {
   return s.coat_f0 * ab.x + ab.y + s.coat_escape_share * (1.0f - ab.x - ab.y);
+}
+
+/// KHR_materials_clearcoat_anisotropy: as KHR_materials_anisotropy has it for the base. What lies below sees a coat of
+/// the mean width.
+SHADE_FN void coat_prepare_anisotropy(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
+  s.coat_widths = vec2(s.coat_alpha);
+  if ((p.lobes & kLobeCoatAnisotropy) == 0) return;
+  vec3 t = p.clearcoat_direction - s.coat_normal * dot(s.coat_normal, p.clearcoat_direction);
+  float t2 = dot(t, t);
+  if (t2 > 1e-12f) s.coat_tangent = t * inversesqrt(t2);
+  s.coat_widths =
+      max(vec2(mix(s.coat_alpha, 1.0f, shade_sqr(p.clearcoat_anisotropy)), s.coat_alpha), vec2(kGgxMirrorAlpha));
+  s.coat_alpha = s.coat_widths.y;
+  s.is_coat_mirror = s.is_coat_mirror && p.clearcoat_anisotropy <= 0.0f;
+  s.coat_roughness = sqrt(sqrt(s.coat_widths.x * s.coat_widths.y));
 }
 
 /// KHR_materials_clearcoat_ior. 0 is a coat that reflects everything.
@@ -77,17 +123,18 @@ SHADE_FN void coat_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surfa
   s.coat_alpha = roughness_to_alpha(p.clearcoat_roughness);
   s.is_coat_mirror = s.coat_alpha < kGgxMirrorAlpha;
   s.coat_normal = p.clearcoat_normal;
+  s.coat_tangent = shade_tangent(s.coat_normal);
+  coat_prepare_anisotropy(p, s);
   s.coat = p.clearcoat;
   s.coat_row = table_ggx_roughness(s.coat_roughness);
   coat_prepare_index(p.clearcoat_ior, s);
-  vec2 mean = table_ggx_curve_mean(s.coat_row, s.coat_curve);
+  vec2 mean = coat_ggx_mean(s);
   float escape_mean = 1.0f - mean.x - mean.y;
   float f_mean = s.coat_f0 + (1.0f - s.coat_f0) * table_walk_rise(s.coat_row, s.coat_curve);
   float share = s.model.multiscatter ? multiscatter_share(f_mean, table_walk(s.coat_row)) : 0.0f;
   s.coat_escape_share = share;
   s.coat_multiscatter = share / (kShadePi * max(escape_mean, 1e-6f));
-  vec2 ab = table_ggx_curve(coat_cosine(s, wo), s.coat_row, s.coat_curve);
-  s.coat_escape_o = s.is_coat_mirror ? 0.0f : base_escape(ab);
+  s.coat_escape_o = s.is_coat_mirror ? 0.0f : coat_escape(s, wo);
   s.is_coat_clear = p.clearcoat_color == vec3(1.0f) && p.clearcoat_darkening <= 0.0f;
   if (s.is_coat_clear) return;
   s.coat_color = max(p.clearcoat_color, vec3(1e-6f));
@@ -113,11 +160,11 @@ SHADE_FN vec3 coat_filter_out(SHADE_IN(Surface) s) {
   return mix(vec3(1.0f), s.coat_tint_o, s.coat);
 }
 
-/// At cosines to the coat's normal and to the base's, above a base of this roughness.
-SHADE_FN LayerAt coat_at(SHADE_IN(Surface) s, float coat_mu, float mu, float roughness) {
+/// Where its split-sum terms are `ab`, at a cosine to the normal of a base of this roughness.
+SHADE_FN LayerAt coat_at(SHADE_IN(Surface) s, vec2 ab, float mu, float roughness) {
   LayerAt at = layer_absent();
   if ((s.lobes & kLobeClearcoat) == 0) return at;
-  at.albedo = coat_albedo(s, table_ggx_curve(coat_mu, s.coat_row, s.coat_curve));
+  at.albedo = coat_albedo(s, ab);
   // How the base's lobe spreads is the base normal's matter; how much comes through, the coat's.
   at.over = table_coat_over(mu, roughness, s.coat_roughness, at.albedo);
   if (s.coat_strength != 1.0f) {
@@ -136,16 +183,28 @@ SHADE_FN float coat_estimate(SHADE_IN(Surface) s, vec3 wo) {
 
 SHADE_FN bool coat_is_delta(SHADE_IN(Surface) s) { return s.chance_coat <= 0.0f || s.is_coat_mirror; }
 
-// ----- in its own frame
+// ----- its facets
 
-SHADE_FN vec3 coat_to_local(SHADE_IN(Surface) s, vec3 w) {
-  vec3 t = shade_tangent(s.coat_normal);
-  return vec3(dot(w, t), dot(w, cross(s.coat_normal, t)), dot(w, s.coat_normal));
+SHADE_FN float coat_dv(SHADE_IN(Surface) s, vec3 o, vec3 i, vec3 wm) {
+  if ((s.lobes & kLobeCoatAnisotropy) != 0) {
+    return ggx_d_aniso(wm, s.coat_widths.x, s.coat_widths.y) *
+           ggx_v_smith_aniso(o, i, s.coat_widths.x, s.coat_widths.y);
+  }
+  return ggx_d(wm, s.coat_alpha) * ggx_v_smith(o, i, s.coat_alpha);
 }
 
-SHADE_FN vec3 coat_from_local(SHADE_IN(Surface) s, vec3 w) {
-  vec3 t = shade_tangent(s.coat_normal);
-  return t * w.x + cross(s.coat_normal, t) * w.y + s.coat_normal * w.z;
+SHADE_FN float coat_pdf_visible(SHADE_IN(Surface) s, vec3 o, vec3 wm) {
+  if ((s.lobes & kLobeCoatAnisotropy) != 0) {
+    return ggx_pdf_visible_aniso(o, wm, s.coat_widths.x, s.coat_widths.y);
+  }
+  return ggx_pdf_visible(o, wm, s.coat_alpha);
+}
+
+SHADE_FN vec3 coat_sample_visible(SHADE_IN(Surface) s, vec3 o, vec2 u) {
+  if ((s.lobes & kLobeCoatAnisotropy) != 0) {
+    return ggx_sample_visible_aniso(o, s.coat_widths.x, s.coat_widths.y, u);
+  }
+  return ggx_sample_visible(o, s.coat_alpha, u);
 }
 
 /// The coat: value and density.
@@ -156,14 +215,13 @@ SHADE_FN SurfaceEval coat_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   vec3 o = coat_to_local(s, wo);
   vec3 i = coat_to_local(s, wi);
   if (o.z <= 0.0f || i.z <= 0.0f) return r;
-  vec2 ab = table_ggx_curve(i.z, s.coat_row, s.coat_curve);
-  float f = s.coat_multiscatter * s.coat_escape_o * base_escape(ab);
+  float f = s.coat_multiscatter * s.coat_escape_o * coat_escape(s, wi);
   if (!s.is_coat_mirror) {
     vec3 wm = o + i;
     float cos_m = 0.5f * length(wm);
     wm = wm * (0.5f / cos_m);
-    f += coat_fresnel(s, cos_m) * ggx_d(wm, s.coat_alpha) * ggx_v_smith(o, i, s.coat_alpha);
-    r.pdf = ggx_pdf_visible(o, wm, s.coat_alpha);
+    f += coat_fresnel(s, cos_m) * coat_dv(s, o, i, wm);
+    r.pdf = coat_pdf_visible(s, o, wm);
   }
   r.value = vec3(s.coat * f * i.z);
   return r;
@@ -186,7 +244,7 @@ SHADE_FN SurfaceSample coat_sample_delta(SHADE_IN(Surface) s, vec3 wo) {
 /// A direction of the rough lobe.
 SHADE_FN vec3 coat_direction(SHADE_IN(Surface) s, vec3 wo, vec2 u) {
   vec3 o = coat_to_local(s, wo);
-  return coat_from_local(s, microfacet_reflect(o, ggx_sample_visible(o, s.coat_alpha, u)));
+  return coat_from_local(s, microfacet_reflect(o, coat_sample_visible(s, o, u)));
 }
 
 /// Of light that is the same from everywhere.

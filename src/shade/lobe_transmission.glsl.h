@@ -43,6 +43,7 @@ SHADE_FN void glass_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
     s.is_glass_delta = true;
     s.glass_f0 = 0.0f;
     s.glass_f0_tinted = vec3(0.0f);
+    s.glass_shine = vec3(1.0f);
     s.glass_tint = vec3(0.0f);
     return;
   }
@@ -53,6 +54,7 @@ SHADE_FN void glass_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   s.diffuse = s.diffuse * (1.0f - p.transmission);
   s.glass_f0 = p.ior == 0.0f ? 1.0f : f0_from_eta(s.eta);
   s.glass_f0_tinted = min(p.specular_color * s.glass_f0, vec3(1.0f)) * p.specular;
+  s.glass_shine = vec3(1.0f);
   // A body is crossed at two of its boundaries: each takes half of the colour.
   s.glass_tint = p.is_thin ? p.base_color : sqrt(p.base_color);
   s.is_glass_delta = s.is_mirror || (!p.is_thin && abs(s.eta - 1.0f) < 1e-3f);
@@ -101,18 +103,18 @@ SHADE_FN bool glass_is_delta(SHADE_IN(Surface) s) { return s.chance_glass <= 0.0
 
 /// What facets reflect of light from wi after several bounces among them; `escape` is what an opaque base's single
 /// scattering loses there.
-SHADE_FN float glass_multireflected(SHADE_IN(Surface) s, vec3 wi, float escape) {
+SHADE_FN vec3 glass_multireflected(SHADE_IN(Surface) s, vec3 wi, float escape) {
   float glass_escape = s.is_thin || s.is_glass_delta
                            ? escape
                            : max(1.0f - table_glass(wi.z, anisotropy_roughness_along(s, wi), s.eta), 0.0f);
-  return s.glass_multireflect * s.glass_escape_o * glass_escape;
+  return s.glass_shine * (s.glass_multireflect * s.glass_escape_o * glass_escape);
 }
 
 /// The reflecting facets: their Fresnel factor, and the density of theirs where that of all facets is `density`.
 SHADE_FN SurfaceEval glass_facets(SHADE_IN(Surface) s, float cos_m, float density) {
   vec3 f = glass_fresnel(s, cos_m);
   SurfaceEval r;
-  r.value = s.weight_glass * f;
+  r.value = s.weight_glass * f * s.glass_shine;
   r.pdf = s.chance_glass * glass_reflect_chance(f, s.glass_tint) * density;
   return r;
 }
@@ -168,7 +170,7 @@ SHADE_FN SurfaceSample glass_sample_delta(SHADE_IN(Surface) s, vec3 wo, float u)
   if (u < reflected) {
     LayersAt at = layers_at(s, r.wi);
     r.pdf = s.chance_glass * reflected;
-    r.weight = f * (s.weight_glass * layers_over(s, at) / r.pdf);
+    r.weight = f * s.glass_shine * (s.weight_glass * layers_over(s, at) / r.pdf);
     return r;
   }
   r.pdf = s.chance_glass * (1.0f - reflected);
@@ -212,7 +214,7 @@ SHADE_FN void glass_shares(SHADE_IN(Surface) s, vec3 wo, vec2 ab, float over, SH
   if (s.iridescence > 0.0f) reflected = glass_fresnel(s, wo.z) * (ab.x + ab.y);
   vec3 lost = vec3(s.glass_escape_o * s.glass_reflected);
   reflected = min(reflected + lost, vec3(1.0f));
-  r.glass = reflected * (s.weight_glass * over);
+  r.glass = reflected * s.glass_shine * (s.weight_glass * over);
   r.through = s.glass_tint * (vec3(1.0f) - reflected) * (s.weight_glass * over);
 }
 

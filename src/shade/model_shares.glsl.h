@@ -55,7 +55,8 @@ SHADE_FN vec3 model_sheen(SHADE_IN(Surface) s, vec3 wo) {
     vec3 wi = uniform_hemisphere_sample(model_point(i));
     if (wi.z <= 0.0f) continue;
     LayersAt at = layers_at(s, wi);
-    sum += sheen_eval(s, wo, wi, layers_below_coat(s, at), at.sheen_scale);
+    sum += s.is_sheen_on_top ? sheen_eval_on_top(s, wo, wi, at.sheen_scale)
+                             : sheen_eval(s, wo, wi, layers_below_coat(s, at), at.sheen_scale);
   }
   return sum * (2.0f * kShadePi / float(kModelPoints));
 }

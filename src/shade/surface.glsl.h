@@ -72,6 +72,9 @@ SHADE_FN vec3 surface_straight(SHADE_IN(Surface) s, vec3 wo) {
   return layers_straight(s, wo);
 }
 
+/// What it was made of.
+SHADE_FN vec3 surface_base_color(SHADE_IN(Surface) s) { return s.lobes != 0 ? s.diffuse_color : s.f0_metal; }
+
 /// Reflectance estimate for the film's albedo layer: what a denoiser should divide out.
 SHADE_FN vec3 surface_albedo(SHADE_IN(Surface) s) {
   if (s.lobes != 0) return layers_albedo(s, s.specular_albedo_o);
@@ -80,7 +83,7 @@ SHADE_FN vec3 surface_albedo(SHADE_IN(Surface) s) {
 
 /// What is left of emission on its way out through the layers above the base.
 SHADE_FN vec3 surface_emission_scale(SHADE_IN(Surface) s) {
-  if ((s.lobes & (kLobeSheen | kLobeClearcoat)) == 0) return vec3(1.0f);
+  if ((s.lobes & (kLobesOfFibres | kLobeClearcoat)) == 0) return vec3(1.0f);
   return layers_emission_scale(s);
 }
 

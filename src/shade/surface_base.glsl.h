@@ -18,6 +18,11 @@ SHADE_FN vec3 shade_tangent(vec3 n) {
   return vec3(1.0f + sgn * n.x * n.x * a, sgn * n.x * n.y * a, -sgn * n.x);
 }
 
+/// A direction in the frame of a normal and a tangent, and back.
+SHADE_FN vec3 shade_to_local(vec3 n, vec3 t, vec3 w) { return vec3(dot(w, t), dot(w, cross(n, t)), dot(w, n)); }
+
+SHADE_FN vec3 shade_from_local(vec3 n, vec3 t, vec3 w) { return t * w.x + cross(n, t) * w.y + n * w.z; }
+
 /// Share of light that facets reflect after several bounces among them, of what single scattering loses: the series
 /// over the number of bounces, as Kulla & Conty 2017, "Revisiting Physically Based Shading at Imageworks", have it,
 /// with what random walks say of its terms. `mean` is the mean reflectance of the facets that such light meets, `walk`

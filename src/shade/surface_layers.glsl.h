@@ -6,6 +6,8 @@
 #include "shade/lobe_conductor.glsl.h"
 #include "shade/lobe_diffuse_roughness.glsl.h"
 #include "shade/lobe_diffuse_transmission.glsl.h"
+#include "shade/lobe_edge_color.glsl.h"
+#include "shade/lobe_fuzz.glsl.h"
 #include "shade/lobe_iridescence.glsl.h"
 #include "shade/lobe_retroreflection.glsl.h"
 #include "shade/lobe_sheen.glsl.h"
@@ -14,7 +16,8 @@
 
 // The base with what may lie above and below it:
 //
-//     coat ─ sheen ─ base = metallic · metal + (1 - metallic) · (transmission · glass + (1 - transmission) · opaque)
+//     fuzz ─ coat ─ sheen ─ base = metallic · metal + (1 - metallic) · (transmission · glass + (1 - transmission) ·
+//     opaque)
 //
 // Every weight mixes whole BSDFs, each of which keeps energy by itself. Here is their order; what each is, is in its
 // own file: lobe_….glsl.h, and layers_above.glsl.h for how those above dim those below.
@@ -28,7 +31,10 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   s.model = p.model;
   bool has_index = (p.lobes & kLobeModel) == 0 || shading_model_has_index(p.model);
   if (!has_index) base_rises_by_schlick(s);
+  // KHR_materials_specular's colour, which glTF leaves unused for metals.
+  s.has_f82_tint = (p.lobes & kLobeModel) != 0 && p.model.fresnel == kFresnelF82;
   s.f82_tint = min(p.specular_color, vec3(1.0f));
+  s.f90_tint = vec3(1.0f);
   coat_matter(has_index, s);
   sheen_matter(s);
   iridescence_matter(p, s);
@@ -38,6 +44,7 @@ SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   retro_matter(p, s);
   glass_matter(p, s);
   below_matter(p, s);
+  edge_matter(p, s);
   iridescence_matter_on_top(p, s);
 }
 
@@ -89,10 +96,12 @@ SHADE_FN void layers_chances(vec3 wo, SHADE_INOUT(Surface) s) {
 SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec2 ab, vec2 mean,
                                          SHADE_INOUT(Surface) s) {
   if (!s.model.multiscatter) s.multiscatter = vec3(0.0f);
+  edge_prepare(p, wo, ab, mean, s);
   s.film_below_o = vec3(1.0f);
   if (s.has_film_below) iridescence_prepare(wo, ab, mean, s);
   if ((s.lobes & kLobeClearcoat) != 0) coat_prepare(p, wo, s);
   if ((s.lobes & kLobeSheen) != 0) sheen_prepare(p, s);
+  if ((s.lobes & kLobeFuzz) != 0) fuzz_prepare(p, s);
   glass_prepare(wo, s);
   rough_diffuse_prepare(ab, mean, s);
 
@@ -102,11 +111,12 @@ SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec
   s.sheen_scale_o = at.sheen_scale;
   s.coat_over_o = at.coat.over.x;
   s.sheen_over_o = at.sheen.over.x;
+  if (s.is_sheen_on_top && s.coat > 0.0f) s.sheen_over_coat_o = sheen_over_coat(s, wo);
   if (s.model.literal_layers) {
     // KHR_materials_clearcoat and _sheen as printed: by the view alone.
     s.coat_over_o = 1.0f - s.coat * coat_fresnel(s, coat_cosine(s, wo));
     s.sheen_over_o = 1.0f - s.sheen_weight * at.sheen.albedo;
-  } else if ((s.lobes & (kLobeSheen | kLobeClearcoat)) != 0) {
+  } else if ((s.lobes & (kLobesOfFibres | kLobeClearcoat)) != 0) {
     s.transmission_o = layers_transmission(s, at, ab, wo.z, anisotropy_row_along(s, wo));
     s.diffuse_scale = 1.0f / max(layers_transmission_mean(s), 1e-6f);
   }
@@ -135,7 +145,7 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
   vec3 lost = s.multiscatter * (s.escape_o * escape);
   r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
   r.value = lost * over;
-  if (s.weight_glass > 0.0f) r.value += vec3(glass_multireflected(s, wi, escape) * over);
+  if (s.weight_glass > 0.0f) r.value += glass_multireflected(s, wi, escape) * over;
   if (s.diffuse_roughness > 0.0f) {
     r.value += lambert_f(s.diffuse) * rough_diffuse_gain(s, s.diffuse_color, wo, wi, ab) *
                layers_diffuse_share(s, wo, wi, cos_m, at, ab);
@@ -164,16 +174,17 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
   r.value = r.value * wi.z;
 
   // ----- layers
-  if (s.sheen_weight > 0.0f) {
+  if (s.sheen_weight > 0.0f && !s.is_sheen_on_top) {
     r.value += sheen_eval(s, wo, wi, layers_below_coat(s, at), at.sheen_scale);
-    r.pdf += s.chance_sheen * kSheenPdf;
   }
+  if (s.sheen_weight > 0.0f) r.pdf += s.chance_sheen * kSheenPdf;
   if (s.coat > 0.0f) {
     r.value = r.value * coat_filter(s, coat_cosine(s, wi));
     SurfaceEval coat = coat_eval(s, wo, wi);
-    r.value += coat.value;
+    r.value += coat.value * sheen_over_coat_both(s, wi);
     r.pdf += s.chance_coat * coat.pdf;
   }
+  if (s.is_sheen_on_top) r.value += sheen_eval_on_top(s, wo, wi, at.sheen_scale);
   return r;
 }
 
@@ -230,7 +241,11 @@ SHADE_APART SHADE_FN SurfaceSample layers_sample(SHADE_IN(Surface) s, vec3 wo, v
     }
     wi = glass_direction(s, wo, u2, u_side);
   } else if (u.z < at + s.chance_glass + s.chance_coat) {
-    if (s.is_coat_mirror) return coat_sample_delta(s, wo);
+    if (s.is_coat_mirror) {
+      r = coat_sample_delta(s, wo);
+      r.weight = r.weight * sheen_over_coat_both(s, r.wi);
+      return r;
+    }
     wi = coat_direction(s, wo, u2);
     if (wi.z <= 0.0f) return r;
   } else if (u.z < at + s.chance_glass + s.chance_coat + s.chance_sheen) {
@@ -264,8 +279,11 @@ SHADE_FN vec3 layers_emission_scale(SHADE_IN(Surface) s) {
 SHADE_APART SHADE_FN vec3 layers_albedo(SHADE_IN(Surface) s, vec3 specular) {
   float through = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
   vec3 below = (s.diffuse + s.diffuse_below) * s.film_below_o * s.transmission_o +
-               (specular + s.glass_tint * s.weight_glass) * through + sheen_share(s);
-  return below * coat_filter_mirrored(s) + coat_share(s);
+               (specular + s.glass_tint * s.weight_glass) * through;
+  if (s.is_sheen_on_top) {
+    return below * coat_filter_mirrored(s) + coat_share(s) * sheen_over_coat_share(s) + sheen_share(s);
+  }
+  return (below + sheen_share(s)) * coat_filter_mirrored(s) + coat_share(s);
 }
 
 // ----- light that is the same from everywhere
@@ -282,8 +300,9 @@ SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOU
   r.specular = specular * over;
   r.diffuse = s.diffuse * s.film_below_o * s.transmission_o * rough_diffuse_albedo(s, s.diffuse_color, wo.z);
   r.below = below_share(s) * rough_diffuse_albedo(s, s.diffuse_below_color, wo.z);
-  r.sheen = sheen_share(s) * (1.0f - s.coat * s.coat_albedo_o);
-  r.coat = coat_share(s);
+  r.sheen = sheen_share(s);
+  if (!s.is_sheen_on_top) r.sheen = r.sheen * (1.0f - s.coat * s.coat_albedo_o);
+  r.coat = coat_share(s) * sheen_over_coat_share(s);
 #ifndef SHADE_DEFAULT_MODEL
   if ((s.lobes & kLobeModel) != 0) {
     r.specular = model_specular(s, wo);
@@ -300,7 +319,7 @@ SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOU
   r.through = r.through * mirrored;
   r.diffuse = r.diffuse * spread;
   r.below = r.below * spread;
-  r.sheen = r.sheen * spread;
+  if (!s.is_sheen_on_top) r.sheen = r.sheen * spread;
 }
 
 SHADE_END

@@ -19,6 +19,13 @@ SHADE_CONST int kLobeSheen = 64;
 SHADE_CONST int kLobeClearcoat = 128;
 SHADE_CONST int kLobeDiffuseRoughness = 256;
 SHADE_CONST int kLobeRetroreflection = 512;
+SHADE_CONST int kLobeFuzz = 1024;
+SHADE_CONST int kLobeEdgeColor = 2048;  // the specular colour is that of the whole lobe
+SHADE_CONST int kLobeCoatAnisotropy = 4096;
+
+// Lobes that have something in common: fibres above the base, and a curve of reflectance of their own.
+SHADE_CONST int kLobesOfFibres = kLobeSheen | kLobeFuzz;
+SHADE_CONST int kLobesOfFresnel = kLobeModel | kLobeConductor | kLobeIridescence | kLobeEdgeColor;
 
 /// What textures and factors say at one point, before any physics. Linear Rec.709.
 struct SurfaceParams {
@@ -55,14 +62,20 @@ struct SurfaceParams {
 
   float clearcoat;
   float clearcoat_roughness;
-  vec3 clearcoat_normal;      ///< local
-  float clearcoat_ior;        ///< 0: it reflects all
-  vec3 clearcoat_color;       ///< what it leaves of white light that crosses it twice at normal incidence
-  float clearcoat_darkening;  ///< how much counts of the light that its underside sends back down
+  vec3 clearcoat_normal;       ///< local
+  float clearcoat_ior;         ///< 0: it reflects all
+  vec3 clearcoat_color;        ///< what it leaves of white light that crosses it twice at normal incidence
+  float clearcoat_darkening;   ///< how much counts of the light that its underside sends back down
+  float clearcoat_anisotropy;  ///< strength
+  vec3 clearcoat_direction;    ///< local, in which the coat's lobe is wide
 
   float diffuse_roughness;
 
   float retroreflection;  ///< share of what opaque facets reflect that returns to where it came from
+
+  float fuzz;  ///< weight of fibres above everything
+  vec3 fuzz_color;
+  float fuzz_roughness;
 };
 
 /// The closure: what eval, sample and pdf need, computed once per hit for one viewing direction.
@@ -116,7 +129,9 @@ struct Surface {
   vec3 film_escape;                ///< share of what single scattering loses that the film reflects
   vec3 film_below_o;      ///< of each channel that reaches the diffuse layer over the share of the strongest, at wo
   vec3 film_below_scale;  ///< likewise, of diffuse_scale
+  bool has_f82_tint;      ///< a metal's reflectance dips near 82°
   vec3 f82_tint;
+  vec3 f90_tint;  ///< of a dielectric's reflectance at grazing angles
   vec3 conductor_n;
   vec3 conductor_k;
 
@@ -125,7 +140,8 @@ struct Surface {
   float eta;
   float glass_f0;  ///< of the bare boundary
   vec3 glass_f0_tinted;
-  vec3 glass_tint;  ///< of what goes through
+  vec3 glass_tint;   ///< of what goes through
+  vec3 glass_shine;  ///< of what is reflected, beyond its F0
   float glass_escape_o;
   float glass_reflected;     ///< share of what single scattering loses that stays on this side
   float glass_multireflect;  ///< as `multiscatter`
@@ -138,13 +154,18 @@ struct Surface {
   float sheen_weight;  ///< strongest channel of the colour: how much of a sheen lies above the base
   float sheen_albedo_o;
   float sheen_scale_o;
-  float sheen_over_o;  ///< how it dims the specular lobe at wo
+  float sheen_over_o;       ///< how it dims the specular lobe at wo
+  bool is_sheen_on_top;     ///< of the coat too, which it then dims
+  vec3 sheen_normal;        ///< of fibres on top
+  float sheen_over_coat_o;  ///< how they dim the coat's lobe at wo
 
   float coat;  ///< weight
   float coat_alpha;
+  vec2 coat_widths;  ///< alphas along the coat's tangent and across it
   float coat_roughness;
   bool is_coat_mirror;
   vec3 coat_normal;
+  vec3 coat_tangent;
   TableCell coat_row;
   TableCell coat_curve;
   float coat_escape_share;  ///< share that it reflects of what its single scattering loses
@@ -244,8 +265,13 @@ SHADE_FN SurfaceParams surface_params_default() {
   p.clearcoat_ior = kCoatIndex;
   p.clearcoat_color = vec3(1.0f);
   p.clearcoat_darkening = 0.0f;
+  p.clearcoat_anisotropy = 0.0f;
+  p.clearcoat_direction = vec3(1.0f, 0.0f, 0.0f);
   p.diffuse_roughness = 0.0f;
   p.retroreflection = 0.0f;
+  p.fuzz = 0.0f;
+  p.fuzz_color = vec3(1.0f);
+  p.fuzz_roughness = 0.5f;
   return p;
 }
 

@@ -22,9 +22,12 @@ SHADE_FN vec3 terms_film_metal(SHADE_IN(Surface) s, float cos_theta) {
   return thin_film_metal(cos_theta, 1.0f, s.film_ior, s.film_f0_metal, s.film_nm);
 }
 
+/// A dielectric's reflectance at grazing angles.
+SHADE_FN vec3 terms_f90(SHADE_IN(Surface) s) { return s.f90_dielectric * s.f90_tint; }
+
 SHADE_FN vec3 terms_fresnel_dielectric(SHADE_IN(Surface) s, float cos_theta) {
   vec3 f0 = s.film_f0_dielectric;
-  vec3 f90 = vec3(s.f90_dielectric);
+  vec3 f90 = terms_f90(s);
   vec3 f = f0 + (f90 - f0) * base_rise(s, cos_theta);
   if ((s.lobes & kLobeModel) != 0 && s.model.fresnel == kFresnelSphericalGaussian) {
     f = fresnel_spherical_gaussian(f0, cos_theta);
@@ -35,18 +38,17 @@ SHADE_FN vec3 terms_fresnel_dielectric(SHADE_IN(Surface) s, float cos_theta) {
 SHADE_FN vec3 terms_fresnel_metal(SHADE_IN(Surface) s, float cos_theta) {
   vec3 f0 = s.film_f0_metal;
   vec3 f = f0 + (vec3(1.0f) - f0) * schlick_weight(cos_theta);
-  if ((s.lobes & kLobeModel) != 0) {
-    if (s.model.fresnel == kFresnelSphericalGaussian) f = fresnel_spherical_gaussian(f0, cos_theta);
-    // The tint at 82° of a metal is KHR_materials_specular's colour, which glTF leaves unused for metals.
-    if (s.model.fresnel == kFresnelF82) f = fresnel_f82(f0, s.f82_tint, cos_theta);
+  if ((s.lobes & kLobeModel) != 0 && s.model.fresnel == kFresnelSphericalGaussian) {
+    f = fresnel_spherical_gaussian(f0, cos_theta);
   }
+  if (s.has_f82_tint) f = fresnel_f82(f0, s.f82_tint, cos_theta);
   if ((s.lobes & kLobeConductor) != 0) f = min(fresnel_conductor3(cos_theta, s.conductor_n, s.conductor_k), vec3(1.0f));
   return s.iridescence > 0.0f ? mix(f, terms_film_metal(s, cos_theta), s.iridescence) : f;
 }
 
 /// Of both opaque materials, weighted.
 SHADE_FN vec3 terms_fresnel_opaque(SHADE_IN(Surface) s, float cos_theta) {
-  if ((s.lobes & (kLobeModel | kLobeConductor | kLobeIridescence)) == 0) return base_fresnel(s, cos_theta);
+  if ((s.lobes & kLobesOfFresnel) == 0) return base_fresnel(s, cos_theta);
   vec3 f = vec3(0.0f);
   if (s.weight_dielectric > 0.0f) f += s.weight_dielectric * terms_fresnel_dielectric(s, cos_theta);
   if (s.weight_metal > 0.0f) f += s.weight_metal * terms_fresnel_metal(s, cos_theta);

@@ -14,6 +14,7 @@ SHADE_CONST int kToneAces = 2;
 SHADE_CONST int kToneReinhard = 3;
 SHADE_CONST int kToneExponential = 4;
 SHADE_CONST int kToneLinear = 5;
+SHADE_CONST int kToneHable = 6;
 
 /// Drops negative light and what is so bright that the square in a rational curve would overflow; 1e6 is white to all.
 SHADE_FN vec3 tone_limit(vec3 color) { return clamp(color, vec3(0.0f), vec3(1e6f)); }
@@ -94,12 +95,25 @@ SHADE_FN vec3 tone_reinhard(vec3 color) {
 /// 1 - e^-x on each channel: the response of film that saturates, slope 1 at black.
 SHADE_FN vec3 tone_exponential(vec3 color) { return vec3(1.0f) - exp(-tone_limit(color)); }
 
+/// The curve of a film's print on each channel, with a toe and a shoulder, to one before its white is scaled: x (A x +
+/// C B) + D E over x (A x + B) + D F, less E / F, as one fraction that is 0 at black. Hable 2010, "Uncharted 2: HDR
+/// Lighting" (GDC), with its constants.
+SHADE_FN vec3 tone_hable_curve(vec3 x) {
+  return x * (0.042f * x + vec3(0.005f)) / (0.3f * (x * (0.15f * x + vec3(0.5f)) + vec3(0.06f)));
+}
+
+/// And its exposure, twice what comes in, and white, which is 11.2 of that.
+SHADE_FN vec3 tone_hable(vec3 color) {
+  return min(tone_hable_curve(2.0f * tone_limit(color)) / tone_hable_curve(vec3(11.2f)), vec3(1.0f));
+}
+
 /// The curve by number; unknown numbers clip.
 SHADE_FN vec3 tone_map(int curve, vec3 color) {
   if (curve == kTonePbrNeutral) return tone_pbr_neutral(color);
   if (curve == kToneAgx) return tone_agx(color);
   if (curve == kToneAces) return tone_aces(color);
   if (curve == kToneReinhard) return tone_reinhard(color);
+  if (curve == kToneHable) return tone_hable(color);
   if (curve == kToneExponential) return tone_exponential(color);
   return tone_linear(color);
 }

@@ -36,6 +36,15 @@ SHADE_FN vec3 workflow_diffuse(MetallicRoughness m) {
 
 SHADE_FN vec3 workflow_diffuse_below(SpecularGlossiness s) { return s.diffuse * (1.0f - shade_max3(s.specular)); }
 
+/// The albedo of the diffuse layer itself, seen through a boundary of 4 %, for what `specular` leaves of it.
+SHADE_FN vec3 workflow_base_color(vec3 diffuse, vec3 specular) {
+  float left = 1.0f - shade_max3(specular);
+  return min(diffuse * (left / (1.0f - kWorkflowF0)), vec3(1.0f));
+}
+
+/// Roughness where a texture multiplies glossiness.
+SHADE_FN float workflow_roughness(float roughness, float glossiness) { return 1.0f - (1.0f - roughness) * glossiness; }
+
 /// Exact. A perfect mirror (F0 = 1) has diffuse 0, which nothing can see.
 SHADE_FN SpecularGlossiness specular_glossiness_from_metallic(MetallicRoughness m) {
   SpecularGlossiness s;

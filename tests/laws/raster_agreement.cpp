@@ -99,6 +99,14 @@ std::vector<NamedMaterial> materials() {
   });
   add("coat that darkens", [](Material& m) { m.clearcoat = 0.8f, m.clearcoat_darkening = 1.0f; });
   add("rough diffuse layer", [](Material& m) { m.diffuse_roughness = 0.8f; });
+  add("streaked coat",
+      [](Material& m) { m.clearcoat = 0.8f, m.clearcoat_roughness = 0.3f, m.clearcoat_anisotropy = 0.8f; });
+  add("dusty coat", [](Material& m) {
+    m.clearcoat = 0.8f, m.fuzz = 0.6f, m.fuzz_color = {0.5f, 0.4f, 0.3f}, m.fuzz_roughness = 0.8f;
+  });
+  add("edge color", [](Material& m) {
+    m.specular_edge_color = 1.0f, m.metallic = 0.5f, m.specular_color = {1.0f, 0.4f, 0.2f};
+  });
   add("sent back", [](Material& m) { m.retroreflection = 0.7f, m.metallic = 0.5f; });
   add("film", [](Material& m) { m.iridescence = 1.0f, m.iridescence_thickness_max_nm = 420.0f; });
   add("film on metal", [](Material& m) { m.iridescence = 1.0f, m.metallic = 1.0f; });
@@ -458,7 +466,8 @@ TEST_F(law_raster, layers_are_those_of_the_path_tracer) {
   b.add(box({0.8f, -0.5f, -0.5f}, {1.6f, 0.5f, 0.5f}), metal({0.9f, 0.6f, 0.3f}, 0.3f));
   path::Settings traced = centred(kSize, 1, 1);
   raster::Settings settings = drawn(kSize);
-  traced.layers = settings.layers = {Layer::albedo, Layer::normal, Layer::depth, Layer::position, Layer::object_id};
+  for (const LayerInfo& info : kLayers) traced.layers.insert(info.layer);
+  settings.layers = traced.layers;
   Scene scene = b.build();
   scene.nodes[0].file_index = 41;
   const Film expected = shoot(scene, constant_environment(vec3(1.0f)), sphere_view(), traced);
@@ -696,6 +705,41 @@ TEST_F(law_raster, coats_and_what_they_cover_have_normals_of_their_own) {
     EXPECT_LT(glm::distance(coat_traced, coat_found), 0.05 * glm::length(coat_traced)) << x;
     // The twin: leaning the other way shows.
     EXPECT_GT(glm::distance(coat_traced, pictures(coated, x, -x).second), 0.3 * glm::length(coat_traced)) << x;
+  }
+}
+
+/// A streaked base, or a streaked coat over black, whose direction its factor turns so far, or else its texture.
+Scene streaked(bool is_coat, float rotation, bool by_texture) {
+  SceneBuilder b;
+  Material m = is_coat ? matte(vec3(0.0f)) : metal(vec3(0.8f), 0.3f);
+  if (is_coat) m.clearcoat = 1.0f, m.clearcoat_roughness = 0.3f;
+  (is_coat ? m.clearcoat_anisotropy : m.anisotropy) = 0.9f;
+  if (by_texture) {
+    const auto code = [](float v) { return static_cast<std::uint8_t>(std::lround(127.5f * v + 127.5f)); };
+    const int texture = b.add_texture(1, 1, {code(std::cos(rotation)), code(std::sin(rotation)), 255, 255});
+    (is_coat ? m.clearcoat_anisotropy_texture : m.anisotropy_texture) = slot(texture);
+  } else {
+    (is_coat ? m.clearcoat_anisotropy_rotation : m.anisotropy_rotation) = rotation;
+  }
+  b.add(leaning_quad(), m);
+  b.add_light(sunlight(vec3(1.0f), 3.0f), aimed({1.0f, 2.0f, 2.0f}, vec3(0.0f)));
+  return b.build();
+}
+
+TEST_F(law_raster, streaks_of_base_and_coat_follow_their_directions) {
+  const View view = look_at({0.4f, 0.2f, 2.0f}, vec3(0.0f), 0.3f);
+  const Region middle{6, 6, 10, 10};
+  const auto found = [&](const Scene& scene) {
+    return mean_of(draw(scene, dark_environment(), view, drawn(16)).beauty, middle).x;
+  };
+  for (const bool is_coat : {false, true}) {
+    const Scene scene = streaked(is_coat, 0.7f, false);
+    const double turned = found(scene);
+    const double traced = mean_of(shoot(scene, dark_environment(), view, centred(16, 1, 1)).beauty, middle).x;
+    EXPECT_NEAR(turned, traced, 0.01 * traced) << is_coat;
+    EXPECT_NEAR(found(streaked(is_coat, 0.7f, true)), traced, 0.03 * traced) << is_coat;
+    // The twin: across, it shows.
+    EXPECT_GT(std::abs(found(streaked(is_coat, 0.7f + 0.5f * kPi, false)) - traced), 0.2 * traced) << is_coat;
   }
 }
 

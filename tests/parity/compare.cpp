@@ -36,6 +36,7 @@ const std::vector<Row>& rows() {
       {"rough_diffuse_gain", {.relative = 1e-3}},
       // 1 less an albedo, which is next to 1 where a boundary is smooth.
       {"glass_escape_mean", {.floor = 1e-2}},
+      {"coat_escape", {.floor = 1e-2}},
       // The same: near the normal almost all goes through.
       {"fresnel_rise", {.floor = 1e-2}},
       {"base_rise", {.floor = 1e-2}},
@@ -54,6 +55,7 @@ const std::vector<Row>& rows() {
       // u.y next to 1 leaves almost nothing of the half vector to normalise.
       {"ggx_sample_*", {.outliers = 3e-3}},
       {"coat_direction", {.outliers = 6e-3}},
+      {"coat_sample_visible", {.outliers = 6e-3}},
       // The same, and facets of width 0.001: the weight of so narrow a lobe has one or two digits of its direction.
       {"surface_sample", {.outliers = 1e-2}},
       {"layers_sample", {.outliers = 1e-2}},

@@ -89,7 +89,7 @@ Domain often_up(const Domain& rest) {
 }
 
 /// A set of lobes: each bit of kLobe… by chance, those of `always` always.
-Domain lobes(int always = 0, int possible = 2 * shade::kLobeRetroreflection - 1) {
+Domain lobes(int always = 0, int possible = 2 * shade::kLobeCoatAnisotropy - 1) {
   return [=](Pcg32& random, float* x, int) {
     // Every sixteenth has none, as most materials.
     const bool none = random.next_float() < 1.0f / 16.0f;
@@ -122,7 +122,13 @@ const std::vector<Row>& rows() {
   static const std::vector<Row> kRows = {
       // ----- a lobe's own functions, for surfaces that have it
       {"coat_*:s/*p.lobes", lobes(shade::kLobeClearcoat)},
+      {"sheen_over_coat*:s/*p.lobes", lobes(shade::kLobeFuzz | shade::kLobeClearcoat)},
+      {"sheen_*_on_top:s/*p.lobes", lobes(shade::kLobeFuzz)},
       {"sheen_*:s/*p.lobes", lobes(shade::kLobeSheen)},
+      {"edge_*:s/*p.lobes", lobes(shade::kLobeEdgeColor)},
+      {"edge_*:s/*p.metallic", uniform(0.1f, 1.0f)},
+      {"edge_*:p.lobes", lobes(shade::kLobeEdgeColor)},
+      {"fuzz_*:s/*p.lobes", lobes(shade::kLobeClearcoat)},
       {"glass_*:s/*p.lobes", lobes(shade::kLobeTransmission)},
       {"below_*:s/*p.lobes", lobes(shade::kLobeDiffuseTransmission)},
       {"below_*:at/*p.lobes", lobes(shade::kLobeClearcoat)},
@@ -132,6 +138,8 @@ const std::vector<Row>& rows() {
       {"model_sheen:s/*p.lobes", lobes(shade::kLobeModel | shade::kLobeSheen)},
       {"coat_tint:s/*p.clearcoat_darkening", uniform(0.1f, 1.0f)},
       {"coat_direction:s/*p.clearcoat_roughness", uniform(0.1f, 1.0f)},  // a mirror has no facets to ask for
+      {"coat_dv:s/*p.clearcoat_roughness", uniform(0.1f, 1.0f)},
+      {"coat_*_visible:s/*p.clearcoat_roughness", uniform(0.1f, 1.0f)},
       {"glass_add_below:s/*p.roughness", uniform(0.05f, 1.0f)},
       {"sheen_scale:s/*p.sheen_roughness", uniform(0.0f, 0.2f)},  // narrow fibres, seen flatly: elsewhere it is 1
       {"sheen_scale:mu", uniform(0.0f, 0.1f)},
@@ -193,6 +201,7 @@ const std::vector<Row>& rows() {
       {"below_eval:wi", direction(-1.0f, -0.02f)},
       {"layers_at:w", direction(-1.0f, 1.0f)},
       {"coat_*:w", direction(-1.0f, 1.0f)},
+      {"coat_*:[oi]", direction(0.02f, 1.0f)},
       {"shade_tangent:n", direction(-1.0f, 1.0f)},
       {"image_light_horizon:mirrored", direction(-1.0f, 1.0f)},
       {"image_light_level:levels", whole(2, 8)},
@@ -221,9 +230,14 @@ const std::vector<Row>& rows() {
       {"sky_*:source", magnitude(1e-3f, 1.0f)},
       {"srgb_*:linear", uniform(0.0f, 1.0f)},
       {"srgb_*:code", uniform(0.0f, 1.0f)},
-      {"tone_*:curve", whole(0, 6)},  // one more than there are
+      {"tone_*:curve", whole(0, 7)},  // one more than there are
+      {"tone_hable_curve:x", magnitude(1e-3f, 1e3f)},
       {"tone_agx_contrast:x", uniform(0.0f, 1.0f)},
       {"tone_*:color", magnitude(1e-4f, 1e3f)},
+
+      {"PunctualLamp.kind", whole(0, 1)},
+      {"PunctualLamp.falloff", whole(0, 3)},
+      {"PunctualLamp.direction", direction(-1.0f, 1.0f)},
 
       // ----- members
       {"ShadingModel.distribution", whole(0, 3)},
@@ -242,6 +256,8 @@ const std::vector<Row>& rows() {
       {"SurfaceParams.clearcoat_ior", often(1.5f, uniform(1.0f, 2.5f))},
       {"SurfaceParams.clearcoat_color", often(1.0f, uniform(0.1f, 1.0f))},
       {"SurfaceParams.clearcoat_darkening", often(0.0f, uniform(0.0f, 1.0f))},
+      {"SurfaceParams.clearcoat_anisotropy", often(0.0f, uniform(0.0f, 1.0f))},
+      {"SurfaceParams.clearcoat_direction", direction(-0.5f, 0.5f)},
       {"SurfaceParams.retroreflection", uniform(0.0f, 1.0f)},
       {"SurfaceParams.eta", magnitude(0.4f, 2.5f)},
       {"SurfaceParams.clearcoat_normal", often_up(direction(0.3f, 1.0f))},

@@ -32,12 +32,12 @@ for size in (2, 3, 4):
 SOMETIMES = {
     "Surface": [
         (r"conductor_.*", "({s}.lobes & kLobeConductor) != 0"),
-        (r"sheen_alpha|sheen_roughness", "({s}.lobes & kLobeSheen) != 0"),
+        (r"sheen_alpha|sheen_roughness", "({s}.lobes & kLobesOfFibres) != 0"),
         (r"film_(beyond|escape|below_scale)", "{s}.lobes != 0 && {s}.has_film_below"),
         (r"diffuse_balance_.*", "({s}.lobes & kLobeDiffuseRoughness) != 0 && {s}.diffuse_roughness > 0.0f"),
         (r"coat_(color|darkening|tint_o)", "({s}.lobes & kLobeClearcoat) != 0 && !{s}.is_coat_clear"),
-        (r"coat_(alpha|roughness|normal|row|escape_.*)|is_coat_mirror", "({s}.lobes & kLobeClearcoat) != 0"),
-        (r"model|alpha_.|iridescence|film_.*|has_film_below|f82_tint|is_thin|is_glass_delta|eta|glass_.*|diffuse_below.*|diffuse_color|diffuse_roughness|retroreflection|sheen.*|coat.*"
+        (r"coat_(alpha|widths|roughness|normal|row|escape_.*)|is_coat_mirror", "({s}.lobes & kLobeClearcoat) != 0"),
+        (r"model|alpha_.|iridescence|film_.*|has_film_below|has_f82_tint|f82_tint|f90_tint|is_sheen_on_top|is_thin|is_glass_delta|eta|glass_.*|diffuse_below.*|diffuse_color|diffuse_roughness|retroreflection|sheen.*|coat.*"
          r"|is_coat_clear|chance_(glass|diffuse_below|sheen|coat)", "{s}.lobes != 0"),
     ],
 }

@@ -20,7 +20,6 @@ struct Light {
   int shadow_count;
 };
 
-const int kPointLight = 0, kSpotLight = 1, kDirectionalLight = 2;
 
 struct Area {
   vec3 corner_0;
@@ -144,12 +143,19 @@ vec3 light_arriving(Light light, vec3 position, out vec3 wi) {
   vec3 to_light = light.position - position;
   float distance = length(to_light);
   wi = to_light / max(distance, kLeastDistance);
-  vec3 e = light.color * light_falloff(light.falloff, distance, light.range, light.polynomial);
-  if (light.kind == kSpotLight) e *= light_spot_gltf(-dot(wi, light.direction), light.cos_inner, light.cos_outer);
+  PunctualLamp lamp;
+  lamp.kind = light.kind;
+  lamp.direction = light.direction;
+  lamp.range = light.range;
+  lamp.falloff = light.falloff;
+  lamp.polynomial = light.polynomial;
+  lamp.cos_inner = light.cos_inner;
+  lamp.cos_outer = light.cos_outer;
+  lamp.across = light.across;
+  lamp.handedness = light.handedness;
+  vec3 e = light.color * light_left(lamp, wi, distance);
   if (light.profile >= 0) {
-    vec3 z = -light.direction, x = light.across, y = cross(z, x) * light.handedness;
-    vec3 d = vec3(dot(-wi, x), dot(-wi, y), dot(-wi, z));
-    vec2 angles = light_profile_angles(d);
+    vec2 angles = light_profile_angles(light_local(lamp, wi));
     vec2 size = vec2(textureSize(light_profiles, 0).xy);
     // Entries stand at both ends of either axis.
     vec2 at = (vec2(fract(angles.x / (2.0 * kShadePi)), angles.y / kShadePi) * (size - 1.0) + 0.5) / size;

@@ -2,8 +2,10 @@
 #include "frame.glsl"
 #include "shade/image_light.glsl.h"
 #include "shade/dispersion.glsl.h"
+#include "shade/shading_normal.glsl.h"
 #include "shade/workflow.glsl.h"
 #include "material.glsl"
+#include "material_fetch.glsl"
 #ifdef HAS_AREAS
 #include "shade/area_light.glsl.h"
 #endif
@@ -87,13 +89,17 @@ Shading prepare(bool is_back) {
 #endif
 
   // ----- the local frame
-  vec3 t = p.tangent - p.normal * dot(p.normal, p.tangent);
+  vec3 tangent = anisotropy_direction(p.front_tangent, p.front_bitangent);
+  vec3 t = tangent - p.normal * dot(p.normal, tangent);
   float t2 = dot(t, t);
   t = t2 > kLeastTangent2 ? t * inversesqrt(t2) : shade_tangent(p.normal);
   mat3 frame = mat3(t, cross(p.normal, t), p.normal);
   vec3 wo = p.wo * frame;
 #ifdef LOBE_clearcoat
-  params.clearcoat_normal = keep_reflection_outside(p.coat_normal, p.geometric, p.wo) * frame;
+  params.clearcoat_normal = normal_kept_outside(p.coat_normal, p.geometric, p.wo) * frame;
+#endif
+#ifdef HAS_TANGENT
+  fetch_directions(p.front_tangent, p.front_bitangent, frame, params);
 #endif
   Surface s = surface_prepare(params, wo);
   Shading h;

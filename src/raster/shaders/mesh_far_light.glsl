@@ -82,6 +82,15 @@ float occlusion() {
 /// 1 where a part of the light is shown.
 float part(int bit) { return (shown_parts & bit) != 0 ? 1.0 : 0.0; }
 
+/// The normal by which a lobe of this anisotropy mirrors prefiltered light: it is wide along its direction, so that the
+/// normal leans towards the viewer in the plane across it.
+vec3 leaning(Point p, vec3 n, vec3 across, float anisotropy) {
+  vec3 along_view = cross(across, p.wo);
+  vec3 anisotropic = normalize(cross(along_view, across));
+  vec3 bent = normalize(mix(n, anisotropic, shade_saturate(anisotropy * anisotropy)));
+  return dot(bent, n) < 0.0 ? n : bent;
+}
+
 vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
   vec3 n = p.normal;
   float visible = occlusion();
@@ -91,12 +100,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
           image_light_multibounce(visible, min(shares.diffuse, vec3(1.0)));
   vec3 bent = n;
 #if defined(LOBE_anisotropy) && defined(HAS_TANGENT)
-  // The lobe is wide along x: the normal leans towards the viewer in the plane across it.
-  vec3 across = frame[1];
-  vec3 along_view = cross(across, p.wo);
-  vec3 anisotropic = normalize(cross(along_view, across));
-  bent = normalize(mix(n, anisotropic, shade_saturate(params.anisotropy * params.anisotropy)));
-  if (dot(bent, n) < 0.0) bent = n;
+  bent = leaning(p, n, frame[1], params.anisotropy);
 #endif
   float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
   color +=
@@ -109,7 +113,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #if defined(LOBE_diffuse_transmission) && !defined(IS_SCATTERING)
   color += shares.below * texture(diffuse_light, -n).rgb * (part(kDiffusePart) / kShadePi);
 #endif
-#ifdef LOBE_sheen
+#ifdef HAS_FIBRES
 #ifdef HAS_SHEEN_LIGHT
   color += shares.sheen *
            textureLod(sheen_light, far_light_direction(2.0 * wo.z * n - p.wo),
@@ -122,7 +126,11 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #endif
 #ifdef LOBE_clearcoat
   vec3 nc = normalize(frame * s.coat_normal);
-  color += shares.coat * mirrored_light(p, nc, s.coat_alpha) *
+  vec3 bent_coat = nc;
+#ifdef LOBE_clearcoat_anisotropy
+  bent_coat = leaning(p, nc, cross(nc, frame * s.coat_tangent), params.clearcoat_anisotropy);
+#endif
+  color += shares.coat * mirrored_light(p, bent_coat, s.coat_alpha) *
            (part(kCoatPart) * image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha));
 #endif
 #endif

@@ -22,8 +22,6 @@ vec3 fetch_base_color() {
   return c;
 }
 
-#include "material_fetch.glsl"
-
 SurfaceParams fetch_params() {
   SurfaceParams p = surface_params_default();
   p.lobes = LOBES;
@@ -35,10 +33,9 @@ SurfaceParams fetch_params() {
 #ifdef HAS_specular_glossiness
   vec4 sg = specular_glossiness_texel();
   p.specular_color *= sg.rgb;
-  p.roughness = 1.0 - (1.0 - p.roughness) * sg.a;
+  p.roughness = workflow_roughness(p.roughness, sg.a);
 #endif
-  float left = 1.0 - shade_max3(p.specular_color);
-  p.base_color = min(p.base_color * (left / (1.0 - kWorkflowF0)), vec3(1.0));
+  p.base_color = workflow_base_color(p.base_color, p.specular_color);
 #endif
 #ifdef MODEL_BLEND
   p.model.distribution = MODEL_DISTRIBUTION;

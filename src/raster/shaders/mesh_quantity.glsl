@@ -22,13 +22,18 @@ vec4 quantity(float opacity) {
 #elif SHOW == SHOW_facet
   return vec4(make_point(is_back).geometric, 1.0);
 #elif SHOW == SHOW_tangent
-  return vec4(make_point(is_back).tangent, 1.0);
+  Point p = make_point(is_back);
+  return vec4(anisotropy_direction(p.front_tangent, p.front_bitangent), 1.0);
 #elif SHOW == SHOW_uv
   return vec4(fract(v_uv.xy), 0.0, 1.0);
 #elif SHOW == SHOW_uv1
   return vec4(fract(v_uv.zw), 0.0, 1.0);
 #elif SHOW == SHOW_base_color
+#ifdef IS_UNLIT
   return vec4(fetch_base_color(), 1.0);
+#else
+  return vec4(fetch_params().base_color, 1.0);
+#endif
 #elif SHOW == SHOW_metallic
   return vec4(vec3(fetch_params().metallic), 1.0);
 #elif SHOW == SHOW_roughness

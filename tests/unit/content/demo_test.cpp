@@ -209,7 +209,8 @@ TEST(unit_content_demo, every_demo_is_valid_and_complete) {
       for (const Primitive& primitive : mesh.primitives) {
         expect_good_frames(primitive, mesh.name);
         const Material& material = scene.materials[static_cast<std::size_t>(primitive.material)];
-        const bool needs_tangents = material.normal_texture || material.anisotropy > 0.0f;
+        const bool needs_tangents =
+            material.normal_texture || material.anisotropy > 0.0f || material.clearcoat_anisotropy > 0.0f;
         EXPECT_EQ(primitive.tangents.empty(), !needs_tangents) << mesh.name;
       }
     }
@@ -313,6 +314,13 @@ const std::map<std::string, RowLaw>& row_laws() {
       {"row-sheen-roughness", law_of(&Material::sheen_roughness, 0.0f, 1.0f)},
       {"row-anisotropy", law_of(&Material::anisotropy, 0.0f, 1.0f)},
       {"row-anisotropy-rotation", law_of(&Material::anisotropy_rotation, 0.0f, kPi)},
+      {"row-diffuse-roughness", law_of(&Material::diffuse_roughness, 0.0f, 1.0f)},
+      {"row-retroreflection", law_of(&Material::retroreflection, 0.0f, 1.0f)},
+      {"row-fuzz", law_of(&Material::fuzz, 0.0f, 1.0f)},
+      {"row-fuzz-color", {[](const Material& m) { return m.fuzz_color.y; }, 0.0f, 1.0f}},
+      {"row-edge-color", {[](const Material& m) { return -m.specular_color.y; }, -1.0f, -0.08f}},
+      {"row-edge-color-metal", {[](const Material& m) { return -m.specular_color.y; }, -1.0f, -0.1f}},
+      {"row-clearcoat-anisotropy", law_of(&Material::clearcoat_anisotropy, 0.0f, 1.0f)},
       {"row-iridescence-thickness", law_of(&Material::iridescence_thickness_max_nm, 0.0f, 900.0f)},
       {"row-iridescence-ior", law_of(&Material::iridescence_ior, 1.0f, 2.5f)},
       {"row-transmission", law_of(&Material::transmission, 0.0f, 1.0f)},

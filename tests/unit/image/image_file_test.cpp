@@ -90,13 +90,17 @@ TEST(unit_image_file, every_writer_reports_a_missing_folder_and_a_full_disk) {
 }
 
 TEST(unit_image_film, layer_names_are_those_of_the_command_line) {
-  for (const char* name : {"albedo", "normal", "depth", "position", "id"})
-    EXPECT_EQ(layer_name(parse_layer(name)), name);
+  std::string known;
+  for (const LayerInfo& info : kLayers) {
+    EXPECT_EQ(&layer_info(info.layer), &info) << info.name;
+    EXPECT_EQ(layer_name(parse_layer(info.name)), info.name);
+    known += (known.empty() ? "" : ", ") + std::string(info.name);
+  }
   try {
     parse_layer("beauty");
     FAIL();
   } catch (const Error& e) {
-    EXPECT_NE(e.message().find("albedo, normal, depth, position, id"), std::string::npos);
+    EXPECT_NE(e.message().find(known), std::string::npos);
   }
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "image/develop.h"
 #include "math/types.h"
 #include "shade/color.glsl.h"
 #include "shade/tonemap.glsl.h"
@@ -10,8 +12,11 @@
 namespace candela {
 namespace {
 
-constexpr int kCurves[] = {shade::kTonePbrNeutral, shade::kToneAgx,         shade::kToneAces,
-                           shade::kToneReinhard,   shade::kToneExponential, shade::kToneLinear};
+const std::vector<int> kCurves = [] {
+  std::vector<int> curves;
+  for (const ToneCurveInfo& info : kToneCurves) curves.push_back(static_cast<int>(info.curve));
+  return curves;
+}();
 
 void expect_near(vec3 a, vec3 b, float tolerance) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "channel " << c;
@@ -29,6 +34,14 @@ TEST(unit_image_tonemap, srgb_encoding_has_the_values_of_the_standard) {
   }
   EXPECT_NEAR(shade::color_luminance(vec3(1.0f)), 1.0f, 1e-6f);
   EXPECT_NEAR(shade::color_luminance(vec3(0.0f, 1.0f, 0.0f)), 0.7152f, 1e-6f);
+}
+
+TEST(unit_image_tonemap, pictures_and_shaders_have_the_same_curves) {
+  for (const ToneCurveInfo& info : kToneCurves) {
+    for (const vec3 c : {vec3(0.01f, 0.2f, 0.7f), vec3(3.0f, 0.5f, 0.1f)}) {
+      EXPECT_EQ(info.function(c), shade::tone_map(static_cast<int>(info.curve), c)) << info.name;
+    }
+  }
 }
 
 TEST(unit_image_tonemap, every_curve_keeps_black_and_stays_in_the_display_range) {
@@ -110,6 +123,18 @@ TEST(unit_image_tonemap, aces_has_the_values_of_the_fit) {
   EXPECT_NEAR(shade::tone_aces(vec3(0.18f)).x, 0.1056f, 2e-4f);  // ACES puts 18 % grey near 10 % of display white
   // Pure red, computed in double from the matrices.
   expect_near(shade::tone_aces(vec3(1.0f, 0.0f, 0.0f)), vec3(0.688028f, 0.0f, 0.002639f), 1e-5f);
+}
+
+TEST(unit_image_tonemap, hable_has_the_values_of_the_printed_formula) {
+  const auto printed = [](double x) {
+    const double a = 0.15, b = 0.5, c = 0.1, d = 0.2, e = 0.02, f = 0.3;
+    return (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f;
+  };
+  for (const double v : {0.001, 0.18, 1.0, 3.0}) {
+    const auto expected = static_cast<float>(printed(2.0 * v) / printed(11.2));
+    expect_near(shade::tone_hable(vec3(static_cast<float>(v))), vec3(expected), 1e-6f);
+  }
+  EXPECT_EQ(shade::tone_hable(vec3(5.6f)), vec3(1.0f));
 }
 
 TEST(unit_image_tonemap, simple_curves_are_what_they_say) {

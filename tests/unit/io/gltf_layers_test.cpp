@@ -44,6 +44,8 @@ const NumberCase kNumbers[] = {
     {"KHR_materials_volume", "attenuationDistance", &Material::attenuation_distance, kUnlimited, 1e-9f, kUnlimited},
     {"KHR_materials_dispersion", "dispersion", &Material::dispersion, 0, 0, 1e3f},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", &Material::diffuse_transmission, 0, 0, 1},
+    {"KHR_materials_fuzz", "fuzzFactor", &Material::fuzz, 0, 0, 1},
+    {"KHR_materials_fuzz", "fuzzRoughnessFactor", &Material::fuzz_roughness, 0.5f, 0, 1},
     {"KHR_materials_retroreflection", "retroreflectionFactor", &Material::retroreflection, 0, 0, 1},
     {"KHR_materials_diffuse_roughness", "diffuseRoughnessFactor", &Material::diffuse_roughness, 0, 0, 1},
     {"KHR_materials_volume_scatter", "scatterAnisotropy", &Material::scatter_anisotropy, 0, -0.999f, 0.999f},
@@ -62,6 +64,7 @@ struct ColorCase {
 const ColorCase kColors[] = {
     {"KHR_materials_specular", "specularColorFactor", &Material::specular_color, 1, 0, kUnlimited},
     {"KHR_materials_sheen", "sheenColorFactor", &Material::sheen_color, 0},
+    {"KHR_materials_fuzz", "fuzzColorFactor", &Material::fuzz_color, 1},
     {"KHR_materials_volume", "attenuationColor", &Material::attenuation_color, 1, kTiny},
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", &Material::diffuse_transmission_color, 1},
     {"KHR_materials_volume_scatter", "multiscatterColor", &Material::multiscatter_color, 0},
@@ -194,6 +197,45 @@ TEST(unit_io_gltf_layers, the_coats_normal_has_a_scale) {
   EXPECT_EQ(m.normal_scale, 1);
 }
 
+TEST(unit_io_gltf_layers, an_edge_color_is_switched_on_within_specular) {
+  const auto edge = [](const json& members) {
+    return material_of("KHR_materials_specular", {{"extensions", {{"EXT_materials_specular_edge_color", members}}}})
+        .specular_edge_color;
+  };
+  EXPECT_EQ(edge({{"specularEdgeColorEnabled", true}}), 1.0f);
+  EXPECT_EQ(edge({{"specularEdgeColorEnabled", false}}), 0.0f);
+  EXPECT_EQ(edge(json::object()), 0.0f);
+  EXPECT_THROW(edge({{"specularEdgeColorEnabled", 1}}), Error);
+}
+
+TEST(unit_io_gltf_layers, textures_of_fuzz_and_of_a_streaked_coat_arrive) {
+  const auto texture = [](int index) { return json{{"index", index}}; };
+  const json fuzz = {
+      {"fuzzTexture", texture(0)}, {"fuzzColorTexture", texture(1)}, {"fuzzRoughnessTexture", texture(2)}};
+  const json streaks = {{"clearcoatAnisotropyTexture", texture(3)}};
+  const json coat = {{"extensions", {{"KHR_materials_clearcoat_anisotropy", streaks}}}};
+  Builder b = with_material({{"extensions", {{"KHR_materials_fuzz", fuzz}, {"KHR_materials_clearcoat", coat}}}});
+  for (int i = 0; i < 4; ++i) add_texture(b);
+  const Material m = load(b).scene.materials.at(0);
+  EXPECT_EQ(m.fuzz_texture.texture, 0);
+  EXPECT_EQ(m.fuzz_color_texture.texture, 1);
+  EXPECT_EQ(m.fuzz_roughness_texture.texture, 2);
+  EXPECT_EQ(m.clearcoat_anisotropy_texture.texture, 3);
+}
+
+TEST(unit_io_gltf_layers, a_sheen_beside_fuzz_is_for_others) {
+  const auto sheen_beside = [](const json& others) {
+    json material = extended("KHR_materials_sheen", {{"sheenColorFactor", {1, 1, 1}}});
+    material["extensions"].update(others);
+    const Loaded loaded = load(with_material(material));
+    EXPECT_TRUE(loaded.warnings.empty());
+    return loaded.scene.materials.at(0).sheen_color;
+  };
+  EXPECT_EQ(sheen_beside(json::object()), vec3(1.0f));
+  EXPECT_EQ(sheen_beside({{"KHR_materials_fuzz", {{"fuzzFactor", 0.5}}}}), vec3(0.0f));
+  EXPECT_EQ(sheen_beside({{"KHR_materials_fuzz", json::object()}}), vec3(0.0f));
+}
+
 TEST(unit_io_gltf_layers, what_drafts_add_to_the_coat_stands_within_it) {
   const auto coat = [](const char* name, const json& members) {
     return material_of("KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"extensions", {{name, members}}}});
@@ -203,6 +245,11 @@ TEST(unit_io_gltf_layers, what_drafts_add_to_the_coat_stands_within_it) {
   EXPECT_EQ(coat("KHR_materials_clearcoat_color", {{"clearcoatColorFactor", {0.5, 0.25, 1}}}).clearcoat_color,
             vec3(0.5f, 0.25f, 1.0f));
   EXPECT_EQ(coat("KHR_materials_clearcoat_darkening", {{"clearcoatDarkeningFactor", 0.25}}).clearcoat_darkening, 0.25f);
+  const Material streaked = coat("KHR_materials_clearcoat_anisotropy",
+                                 {{"clearcoatAnisotropyStrength", 0.75}, {"clearcoatAnisotropyRotation", 1.5}});
+  EXPECT_EQ(streaked.clearcoat_anisotropy, 0.75f);
+  EXPECT_EQ(streaked.clearcoat_anisotropy_rotation, 1.5f);
+  EXPECT_EQ(coat("KHR_materials_clearcoat_anisotropy", json::object()).clearcoat_anisotropy, 0.0f);
   // The ratified coat does not darken; one that names the draft does, unless it says by how much.
   EXPECT_EQ(coat("KHR_materials_clearcoat_darkening", json::object()).clearcoat_darkening, 1.0f);
   EXPECT_EQ(material_of("KHR_materials_clearcoat", json::object()).clearcoat_darkening, 0.0f);
