@@ -1,4 +1,4 @@
-// A product shot, by either engine: a lens, a background, three pictures from all around.
+// A product shot by either engine: a lens, a background, three pictures all around the subject.
 //
 //     product_shot [SCENE [path|raster]]      writes product-0.png to product-2.png
 

@@ -35,67 +35,68 @@ Scene load(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr, 
 using io::LoadOptions;
 using io::Pose;
 
-/// The same with all that loading can be told: LoadOptions::root keeps files of strangers to one folder.
+/// The same with all options of loading: LoadOptions::root confines untrusted files to one folder.
 Scene load(const std::string& path_or_demo, Diagnostics* diagnostics, const LoadOptions& options);
 
-/// A scene that can be had at any moment of its animations; what does not move is read and decoded once.
+/// A file whose scene is available at any moment of its animations; what does not move is read and decoded once.
 class Asset {
  public:
   /// As load().
   explicit Asset(const std::string& path_or_demo, Diagnostics* diagnostics = nullptr, const std::string& variant = {});
   Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const LoadOptions& options);
 
-  /// The scene at rest, or as an animation has it. A built-in scene has no animations: naming one throws Error.
+  /// The scene at rest, or in the given pose of an animation. A built-in scene has no animations: naming one throws
+  /// Error.
   Scene scene(const std::optional<Pose>& pose = std::nullopt);
-  /// Seconds that the animations of that name last, as Pose::animation names them; 0 where nothing moves.
+  /// Duration of the animations of that name, as Pose::animation names them; 0 if nothing moves.
   double duration_s(const std::string& animation) const;
-  /// Whether such an animation has a pointer to a light of EXT_lights_image_based.
+  /// Whether such an animation moves a light of EXT_lights_image_based by a pointer.
   bool moves_image_light(const std::string& animation) const;
   bool is_animated() const;
-  /// What it is read from: the file and all that it names; none of a built-in scene.
+  /// The files that it is read from: the file itself and all that it names; none for a built-in scene.
   std::vector<io::ReferencedFile> files() const;
 
  private:
   std::string name_;
   Diagnostics ignored_;
   Diagnostics* diagnostics_;
-  std::shared_ptr<io::GltfFile> file_;  ///< null of a built-in scene
+  std::shared_ptr<io::GltfFile> file_;  ///< null for a built-in scene
 };
 
-/// Whether a camera stands somewhere in the scene: is held by a node.
+/// Whether the scene has a camera that a node refers to.
 bool has_camera(const Scene& scene);
 
-/// Which node's camera a user would expect to look through: the scene's first; none where there is none, or where it
-/// sees nothing although there is something to see, as when a file holds the view matrix in place of its inverse, which
-/// `diagnostics` then tells.
+/// The node whose camera a user would expect: that of the scene's first camera. None if there is none, or if it sees
+/// nothing although there is something to see, as when a file holds the view matrix in place of its inverse; this is
+/// reported to `diagnostics`.
 std::optional<std::size_t> default_camera(const Scene& scene, float aspect, Diagnostics* diagnostics = nullptr);
 
-/// The view a user would expect without saying more: by default_camera, else the whole subject in three-quarter view.
+/// The view a user would expect by default: that of default_camera, else the whole subject in three-quarter view.
 View default_view(const Scene& scene, float aspect, Diagnostics* diagnostics = nullptr);
 
-/// What the subject is framed by: world_bounds(), or a two metre cube about the origin when nothing has a mesh.
+/// The box that frames the subject: world_bounds(), or a two metre cube about the origin if nothing has a mesh.
 Box3 subject_bounds(const Scene& scene);
 
-/// The light a scene wishes for, else "studio". A name for make_environment().
+/// The environment that a scene asks for, else "studio". A name for make_environment().
 std::string default_environment(const Scene& scene);
 
-/// What a scene is lit by where its user does not say: the light of its own that it brings, else default_environment.
+/// The light of a scene if none is chosen: its own image-based light, else default_environment.
 Environment default_light(const Scene& scene, Diagnostics* diagnostics = nullptr);
 
-/// The exposure a scene wishes for, else the one its environment is made for unless the scene's own lamps outshine it,
-/// else metered from the picture.
+/// The exposure that a scene asks for, else the one its environment is made for unless the scene's own lamps outshine
+/// it, else metered from the picture.
 DevelopSettings default_develop(const Scene& scene, const Environment& environment);
 /// The same under default_light.
 DevelopSettings default_develop(const Scene& scene);
 
 /// Renders with default_light and default_view.
 Film render(const Scene& scene, const path::Settings& settings = {});
-/// One picture by the engine whose settings these are: render(scene, environment, view, settings, job, statistics).
+/// One picture by the engine of the given settings: render(scene, environment, view, settings, job, statistics).
 using path::render;
 using raster::render;
 
-/// Light as it arrives at `count` places spread over a scene, path traced with `samples` per texel; lamps and suns are
-/// left out, which the rasterizer draws as lights of their own. For raster::Drawer::set_probes. Throws Interrupted
+/// The light that arrives at `count` places distributed over a scene, path traced with `samples` per texel, without
+/// lamps and suns, which the rasterizer draws as separate lights. For raster::Drawer::set_probes. Throws Interrupted
 /// after a stop: light from half the sides would be wrong.
 std::vector<raster::Probe> bake_probes(const path::Tracer& tracer, int count, int samples, const Job& job = {});
 

@@ -13,29 +13,29 @@ namespace candela {
 /// Light to bake: an environment, or what a point of a scene sees. An Error about a member names the option of `candela
 /// bake` that sets it.
 struct LightChoice {
-  std::string environment;         ///< a file or a name for make_environment(); of a scene empty = as it wishes
-  std::optional<CubeAxes> axes{};  ///< by which a cube map that is read is looked up
+  std::string environment;         ///< a file or a name for make_environment(); empty = the scene's own
+  std::optional<CubeAxes> axes{};  ///< of a cube map that is read
   float rotation = 0.0f;           ///< radians about +y
   float intensity = 1.0f;
   std::string scene{};  ///< a file, or "demo:NAME"; empty = the environment alone
   LoadOptions load{};
   vec3 position{0.0f};  ///< in the scene, metres
-  int samples = 64;     ///< per texel of what is seen there
+  int samples = 64;     ///< per texel of the cube traced there
 };
 
-/// What is baked, and the cube that it came as where it did.
+/// The light to bake, and the cube that it was read from, if it was one.
 struct LoadedLight {
   ibl::Source source;
   std::optional<CubeFaces> faces;
   bool is_panorama = false;  ///< the source is a file's own panorama
 };
 
-/// Reads it, or traces what the scene's point sees into a cube of `size` texels a side. Warnings go to the job. Throws
-/// Error, and Interrupted after a stop.
+/// Reads the environment, or traces what the scene's point sees into a cube of `size` texels a side. Warnings go to the
+/// job. Throws Error, and Interrupted after a stop.
 LoadedLight load_light(const LightChoice& choice, int size, const Job& job = {});
 
-/// ibl::bake(); a mirror shows a cube's own texels where the sizes allow. Throws Error where BakeSettings::error cannot
-/// be kept.
+/// ibl::bake(); level 0 has a cube's own texels if the sizes allow. Throws Error if BakeSettings::error cannot be
+/// reached.
 ibl::Bake bake_light(const LoadedLight& light, const ibl::BakeSettings& settings, const Job& job = {});
 
 }  // namespace candela

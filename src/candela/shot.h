@@ -12,19 +12,19 @@
 #include "candela/candela.h"
 #include "denoise/denoise.h"
 
-/// Recipes: what is asked of a picture, or of a set of them, by either engine, from the file to what is developed.
+/// Recipes: the description of a picture, or of a set of them, for either engine, from the file to the exposure.
 namespace candela {
 
 enum class Engine { path, raster };
 
-/// How the light of every point and spot falls off.
+/// How the light of every point and spot light falls off.
 struct FalloffChoice {
   Falloff kind = Falloff::gltf;
   std::optional<vec3> polynomial = {};  ///< empty = each light's own
 };
 
-/// What is asked for. Whatever is empty is as the scene wishes. An Error about a member names the option of `candela
-/// render` that sets it.
+/// The picture or pictures to make. Whatever is empty is the scene's own choice. An Error about a member names the
+/// option of `candela render` that sets it.
 struct Shot {
   std::string scene;  ///< a file, or "demo:NAME"
   LoadOptions load = {};
@@ -34,27 +34,27 @@ struct Shot {
   ivec2 size{1280, 720};
   std::set<Layer> layers = {};
   Background background = Background::environment;
-  bool environment_in_glass = false;  ///< of another background: glass shows the environment behind it all the same
+  bool environment_in_glass = false;  ///< with another background: glass still shows the environment behind it
   shade::ShadingModel shading = shade::shading_model_candela();
   std::string shading_name = {};                 ///< for the metadata; empty = the default model
-  path::Settings traced = {};                    ///< what the path tracer alone knows: the members above go before
-  raster::Settings drawn = {};                   ///< what the rasterizer alone knows, likewise
+  path::Settings traced = {};                    ///< for the path tracer only; the members above take precedence
+  raster::Settings drawn = {};                   ///< for the rasterizer only, likewise
   std::optional<denoise::Method> denoiser = {};  ///< of traced pictures; Film::noisy has them as they were
-  int probes = 0;  ///< of the rasterizer: places where light from within the scene is traced
+  int probes = 0;                                ///< for the rasterizer: places where light within the scene is traced
 
-  // ----- where it is taken from: the first of these that is given, else default_view()
+  // ----- the viewpoint: the first of these that is given, else default_view()
   std::optional<vec3> eye = {};
-  std::optional<vec3> target = {};  ///< what the eye looks at, and what is sharp; empty = the subject's centre
+  std::optional<vec3> target = {};  ///< the point that the eye looks at and focuses on; empty = the subject's centre
   std::optional<Orbit> orbit = {};
   std::optional<std::string> camera = {};  ///< of the scene, by number or name
-  bool ignores_planes = false;             ///< near and far ones of the scene's cameras
+  bool ignores_planes = false;             ///< the near and far planes of the scene's cameras
   std::optional<float> yfov = {};
-  std::optional<int> turntable = {};  ///< so many pictures all around the subject
+  std::optional<int> turntable = {};  ///< number of pictures all around the subject
 
   // ----- the lens
   std::optional<float> f_number = {};
   std::optional<float> focus_distance = {};  ///< metres
-  bool focuses_on_target = false;            ///< whatever the scene's own camera does; always with `f_number`
+  bool focuses_on_target = false;            ///< overrides the focus of the scene's own camera; implied by `f_number`
   int blades = 0;
   float vignetting = 0.0f;
 
@@ -68,7 +68,7 @@ struct Shot {
   std::optional<std::string> animation = {};  ///< as Pose::animation names it
   std::optional<double> moment_s = {};        ///< empty = at rest, or the animation's beginning
   double shutter_s = 0.0;                     ///< how long a picture is exposed while the scene moves
-  std::optional<int> sequence = {};           ///< so many pictures over the animation
+  std::optional<int> sequence = {};           ///< number of pictures over the animation
 
   // ----- how it is shown
   std::optional<std::optional<float>> exposure = {};  ///< a factor, or empty: metered
@@ -79,21 +79,21 @@ struct Shot {
   bool has_many_pictures() const { return turntable || sequence; }
 };
 
-/// `view` turned about the vertical axis through `center` by `count` equal steps, the first by none.
+/// `view` turned about the vertical axis through `center` in `count` equal steps; the first is not turned.
 std::vector<View> all_around(const View& view, vec3 center, int count);
 
-/// The settings of an engine that a shot comes to.
+/// The settings of each engine for a shot.
 path::Settings traced_settings(const Shot& shot);
 raster::Settings drawn_settings(const Shot& shot);
-/// Most bytes that one picture of it takes, beside the scene.
+/// Most bytes that one picture of it takes, without the scene.
 std::uint64_t picture_bytes(const Shot& shot);
 
-/// What several shots share: environments by their names, and the driver.
+/// What several shots share: environments by their names, and the OpenGL device.
 class Stage {
  public:
   /// make_environment(), once per name; every call warns again.
   const Environment& environment(const std::string& name, Diagnostics* diagnostics = nullptr);
-  /// Opened by the first call. Throws Error where there is no OpenGL.
+  /// Opened by the first call. Throws Error without OpenGL.
   std::shared_ptr<raster::Device> device();
 
  private:
@@ -116,7 +116,7 @@ struct TakenPicture {
   bool is_whole() const { return !traced.interrupted && !drawn.interrupted; }
 };
 
-/// What became of the pictures of a take.
+/// The outcome of a take.
 struct TakeResult {
   std::size_t asked = 0;
   std::size_t done = 0;
@@ -127,24 +127,23 @@ struct TakeResult {
   double denoise_s = 0.0;
 };
 
-/// A shot that is being taken: its file is open, its pictures can be had. Warnings go to `diagnostics`, which must
-/// outlive it.
+/// A shot in progress: its file is open, its pictures can be made. Warnings go to `diagnostics`, which must outlive it.
 class Take {
  public:
   /// Opens the file. Throws Error.
   explicit Take(Shot shot, Diagnostics* diagnostics = nullptr, std::shared_ptr<Stage> stage = nullptr);
 
-  /// All that the scene is read from.
+  /// All files that the scene is read from.
   std::vector<io::ReferencedFile> files() const { return asset_.files(); }
-  /// Loads scene and light and chooses views and moments; render() would do it. Throws Error for what the scene has
-  /// not.
+  /// Loads scene and light and chooses views and moments; otherwise render() does it. Throws Error for what the scene
+  /// lacks.
   void prepare();
-  /// How its pictures are shown, as far as it is known; after prepare().
+  /// How its pictures are developed, as far as known; after prepare().
   const DevelopSettings& develop() const { return develop_; }
 
-  /// Makes the pictures one after the other and hands each to `take`. After a stop the one at hand is handed over as it
-  /// is, and no other is begun; throws Interrupted where there is none. Partial pictures have their metadata. Throws
-  /// Error as the engines do.
+  /// Makes the pictures one after the other and passes each to `take`. After a stop the current one is passed as it is,
+  /// and no other is begun; throws Interrupted if there is none. Partial pictures have their metadata. Throws Error as
+  /// the engines do.
   TakeResult render(const std::function<void(TakenPicture)>& take, const Job& job = {});
 
  private:
@@ -171,8 +170,8 @@ class Take {
   bool is_prepared_ = false;
   bool is_moving_ = false;                  ///< an animation is shown
   std::vector<double> moments_s_;           ///< of each picture, from the animation's start
-  std::optional<std::size_t> camera_node_;  ///< the scene's own camera that is looked through for want of another
-  bool has_own_camera_ = false;             ///< which may move
+  std::optional<std::size_t> camera_node_;  ///< the scene's own camera, used if no other is chosen
+  bool has_own_camera_ = false;             ///< it may move
   std::shared_ptr<const Scene> scene_;      ///< of the first picture
   Environment environment_;
   std::vector<View> views_;

@@ -11,13 +11,13 @@
 
 namespace candela {
 
-/// A finding, and the names of what it is about; empty where it is about no such thing. Its numbers are the file's.
+/// A finding, and the names of its material and texture; empty if it concerns none. Its numbers are the file's.
 struct NamedFinding {
   check::Finding finding;
   std::string material, texture;
 };
 
-/// What is found in one asset.
+/// All findings for one asset.
 struct Verdict {
   std::string file;
   std::optional<std::string> unreadable;  ///< why it cannot be judged
@@ -28,11 +28,11 @@ struct Verdict {
   std::size_t count(check::Severity severity) const;
 };
 
-/// Judges a file with all its variants, or "demo:NAME". One that cannot be read has a verdict, too: what keeps it from
-/// being read. Throws Interrupted after a stop, Error for a demo that there is not.
+/// Judges a file with all its variants, or "demo:NAME". A file that cannot be read has a verdict, too: the reason.
+/// Throws Interrupted after a stop, Error for an unknown demo.
 Verdict judge(const std::string& name, const LoadOptions& options = {}, const Job& job = {});
 
-/// The scenes below a folder, in the order of their names. Throws Error where there is none.
+/// The scenes below a folder, sorted by name. Throws Error if there is none.
 std::vector<std::string> scenes_below(const std::filesystem::path& folder);
 
 }  // namespace candela

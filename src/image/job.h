@@ -12,23 +12,23 @@
 
 namespace candela {
 
-/// How far a long work is.
+/// The progress of a long operation.
 struct Progress {
-  double fraction = 0.0;                   ///< of the work; estimated where a time or noise limit ends it
-  double seconds = 0.0;                    ///< since it began
-  std::optional<double> remaining_s = {};  ///< where that can be told
-  std::string what = {};                   ///< is being done, in a few words
-  double samples_per_pixel = 0.0;          ///< of the picture so far, where one is path traced
+  double fraction = 0.0;                   ///< of the work; estimated if a time or noise limit ends it
+  double seconds = 0.0;                    ///< since the start
+  std::optional<double> remaining_s = {};  ///< if it can be estimated
+  std::string what = {};                   ///< the current step, in a few words
+  double samples_per_pixel = 0.0;          ///< of the picture so far, if one is path traced
 };
 
-/// What a long work and whoever waits for it share: rendering by either engine, baking, probes, measuring, figures,
-/// judging. Empty, nobody waits.
+/// Connects a long operation with its caller: rendering by either engine, baking, probes, measuring, figures, checking.
+/// All members may be empty.
 struct Job {
-  std::function<void(const Progress&)> progress = {};  ///< one call at a time, a few in a second
-  /// The picture so far, where a work has one: every `partial_interval_s`, from the thread that began the work.
+  std::function<void(const Progress&)> progress = {};  ///< one call at a time, a few per second
+  /// The picture so far, if there is one: called every `partial_interval_s`, on the thread that started the work.
   std::function<void(Film)> partial = {};
   double partial_interval_s = 5.0;
-  /// Set to end early. Pictures end with what there is, which their statistics tell; all else throws Interrupted.
+  /// Set to end early. Pictures are returned as they are, and their statistics say so; all else throws Interrupted.
   const std::atomic<bool>* stop = nullptr;
   Diagnostics* diagnostics = nullptr;
 
@@ -38,12 +38,12 @@ struct Job {
   }
 };
 
-/// Work in equal parts, one after the other, each a job of its own that has no partial pictures.
+/// Splits work into equal parts, done one after the other, each with its own job without partial pictures.
 class JobParts {
  public:
   /// `whole` must outlive it; it must outlive its parts.
   JobParts(const Job& whole, std::size_t count) : whole_(whole), count_(count) {}
-  /// What it does is told after `prefix`.
+  /// Its progress text follows `prefix`.
   Job part(std::size_t index, const std::string& prefix = {}) const;
 
  private:

@@ -14,7 +14,7 @@
 namespace candela::path {
 
 enum class PixelFilter { box, gaussian, blackman_harris };
-/// Three estimators of one expectation, from the quickest to the shortest to read; see integrator.h.
+/// Three estimators of the same expected value, from the fastest to the shortest; see integrator.h.
 enum class Integrator {
   full,     ///< next-event estimation with multiple importance sampling
   minimal,  ///< samples the material only: same mean, more noise; the test oracle
@@ -26,37 +26,37 @@ const char* integrator_name(Integrator integrator);
 struct Settings {
   int width = 1280;
   int height = 720;
-  int samples = 64;                      ///< per pixel; with a stop below, the most a pixel may take
+  int samples = 64;                      ///< per pixel; with a limit below, the most that a pixel may take
   std::optional<double> time_limit_s{};  ///< stop after about this long
   std::optional<float> noise{};          ///< stop a pixel when its estimated relative error is below this, e.g. 0.01
-  int bounces = 8;                       ///< scattering events after the first hit is 1: `1` is direct light only
+  int bounces = 8;                       ///< surfaces that scatter along a path; 1 is direct light only
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::box;
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
   Integrator integrator = Integrator::full;
   Background background = Background::environment;
-  /// Of another background: glass shows the environment behind it all the same.
+  /// With another background: glass still shows the environment behind it.
   bool environment_in_glass = false;
-  /// False: what camera rays see is lit by lamps and suns, but they are not in the picture (for probes, beside which
-  /// lamps light on their own).
+  /// False: lamps and suns light the scene but are not visible to camera rays (for probes, where lamps are separate
+  /// lights).
   bool sees_lamps = true;
-  /// False: past the scene camera rays see the environment that lights it, whatever its backdrop.
+  /// False: camera rays that miss the scene see the environment that lights it, not its backdrop.
   bool sees_backdrop = true;
   std::set<Layer> layers{};
   bool has_features = false;  ///< the film has what a denoiser asks for; Integrator::full only
 };
 
-/// How near a picture came to Settings::noise.
+/// How close a picture came to Settings::noise.
 struct NoiseReached {
   double share_above = 0.0;  ///< of the pixels whose estimated relative error is above it
-  float worst = 0.0f;        ///< error of any pixel; infinite where a pixel has one sample
+  float worst = 0.0f;        ///< largest error of a pixel; infinite if a pixel has one sample
 };
 
 struct Statistics {
   double build_s = 0.0;  ///< of the tracers that were made for it
   double render_s = 0.0;
   std::uint64_t samples = 0;         ///< camera samples
-  std::uint64_t spared_samples = 0;  ///< that pixels did without which only a smooth background can be seen in
+  std::uint64_t spared_samples = 0;  ///< saved in pixels that show only a smooth background
   std::uint64_t camera_rays = 0;
   std::uint64_t bounce_rays = 0;
   std::uint64_t shadow_rays = 0;
@@ -72,12 +72,12 @@ struct Statistics {
 /// Throws Error where this build is without the path tracer, as all that traces does.
 void check_built();
 
-/// Most bytes that the picture takes while it is rendered, the film in the caller's hands included; the scene comes to
-/// that.
+/// Most bytes that the picture takes while it is rendered, including the film returned to the caller, without the
+/// scene.
 std::uint64_t picture_bytes(const Settings& settings);
 
-/// A scene under its light, made ready to be traced: acceleration structure, light tables, materials with their
-/// textures. Pictures may be made of it from several threads at once.
+/// A scene with its light, prepared for tracing: acceleration structure, light tables, materials with their textures.
+/// Several threads may render pictures of it at once.
 class Tracer {
  public:
   /// Throws Error for a scene that validate() refuses.
@@ -86,12 +86,12 @@ class Tracer {
   Tracer(Scene scene, const Environment& environment,
          const shade::ShadingModel& shading = shade::shading_model_candela());
 
-  /// The picture that a view has. The result depends on the arguments alone, never on the number of threads (with a
-  /// time limit it depends on how many passes fitted). Throws Error for settings and views that make no sense.
+  /// The picture of a view. The result depends only on the arguments, never on the number of threads (with a time limit
+  /// it depends on how many passes fitted). Throws Error for invalid settings and views.
   Film render(const View& view, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr) const;
 
   const Scene& scene() const;
-  double build_s() const;  ///< that it took to make it
+  double build_s() const;  ///< time it took to construct
 
  private:
   friend class Picture;
@@ -99,7 +99,7 @@ class Tracer {
   std::shared_ptr<const Parts> parts_;
 };
 
-/// A picture that can go on: samples come to those that are there. Keeps alive what its tracer holds.
+/// A picture that can be continued with more samples. Keeps alive what its tracer holds.
 class Picture {
  public:
   /// Throws Error as Tracer::render does.
@@ -108,12 +108,12 @@ class Picture {
   Picture(const Picture&) = delete;
   Picture& operator=(const Picture&) = delete;
 
-  /// Traces until every pixel has `samples`, or as many as Settings::noise asks for; those that are there count, also
-  /// those of a pass that was stopped. The picture is that of one call with as many samples. Settings::time_limit_s is
-  /// for each call, Settings::samples for none.
+  /// Traces until every pixel has `samples`, or as many as Settings::noise requires; existing samples count, also those
+  /// of a stopped pass. The picture is the same as from one call with as many samples. Settings::time_limit_s applies
+  /// to each call; Settings::samples is ignored.
   void trace(int samples, const Job& job = {});
 
-  /// What there is.
+  /// The picture so far.
   Film film() const;
   Statistics statistics() const;
 
@@ -122,7 +122,7 @@ class Picture {
   std::unique_ptr<Impl> impl_;
 };
 
-/// One picture by a Tracer of its own. `scene` is not copied. Throws Error.
+/// One picture by a temporary Tracer. `scene` is not copied. Throws Error.
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             const Job& job = {}, Statistics* statistics = nullptr);
 

@@ -21,27 +21,27 @@ namespace candela::raster {
 struct Settings {
   int width = 1280;
   int height = 720;
-  int frames = 1;  ///< of a still, each jittered within the pixel and over the lens; their mean is the picture
+  int frames = 1;  ///< per picture, each jittered within the pixel and over the lens; the picture is their mean
   int msaa = 4;    ///< samples per pixel of each frame: 1, 2, 4 or what the driver has
-  /// Widens highlights by how the normal turns within a pixel. What one sample per pixel needs; the less, the more
-  /// frames there are.
+  /// Widens highlights by the variation of the normal within a pixel. One sample per pixel needs this; it lessens with
+  /// more frames.
   bool specular_antialiasing = true;
-  /// How far away surfaces occlude what comes from the environment, over the diagonal of the scene; 0 = they do not.
+  /// Up to which distance surfaces occlude the environment, relative to the scene's diagonal; 0 = they do not.
   float occlusion_radius = 0.0f;
   Background background = Background::environment;
-  /// Of another background: glass shows the environment behind it all the same.
+  /// With another background: glass still shows the environment behind it.
   bool environment_in_glass = false;
   Ambient ambient = Ambient::baked;
-  /// Shadows that soften with the distance from what casts them: of suns and area lights by their own size, of points
-  /// and spots by `light_radius`.
+  /// Shadows soften with the distance from the occluder: those of suns and area lights by their own size, those of
+  /// point and spot lights by `light_radius`.
   bool has_soft_shadows = false;
   float light_radius = 0.0f;            ///< metres
   Quantity quantity = Quantity::light;  ///< shown in place of all light; then without a background
-  int most_textures = 0;                ///< that a shader reads at once; 0: what the driver has. The least of any is 16
-  int shown_light = 0;                  ///< of Quantity::one_light, the strongest is 0
+  int most_textures = 0;                ///< that a shader reads at once; 0: the driver's limit. The minimum is 16
+  int shown_light = 0;                  ///< for Quantity::one_light; the strongest is 0
   std::set<Layer> layers{};
-  std::filesystem::path cache{};  ///< folder of baked environments; empty = none is kept
-  std::string shader_folder{};    ///< read instead of the shaders in the program; empty = those
+  std::filesystem::path cache{};  ///< folder of baked environments; empty = none are kept
+  std::string shader_folder{};    ///< with shaders to use instead of the built-in ones; empty = built-in
 
   bool operator==(const Settings&) const = default;
 };
@@ -50,13 +50,13 @@ struct Statistics {
   std::string driver;
   bool interrupted = false;  ///< by Job::stop, with frames left
   bool is_light_cached = false;
-  double open_s = 0.0;    ///< the context; this and what follows count where it was done, for the first of several
-  double light_s = 0.0;   ///< baking or reading the environment, beside what follows
+  double open_s = 0.0;    ///< the context; each of these times counts in the first picture that needed the step
+  double light_s = 0.0;   ///< baking or reading the environment, in parallel with the following
   double upload_s = 0.0;  ///< scene and environment to the driver
   double shadow_s = 0.0;
-  double compile_s = 0.0;  ///< the first frame, which nobody sees
+  double compile_s = 0.0;  ///< the first frame, which is discarded
   double frame_s = 0.0;    ///< all frames, reading back included
-  double draw_s = 0.0;     ///< of that until the driver has finished drawing
+  double draw_s = 0.0;     ///< the part of that until the driver has finished drawing
   int frames = 0;          ///< of all pictures
   int programs = 0;
   std::uint64_t triangles = 0;
@@ -64,25 +64,25 @@ struct Statistics {
   std::uint64_t non_finite_pixels = 0;  ///< must be 0; each is black in the picture
 };
 
-/// Adds one picture to several: times and counts are sums, the scene is that of the last.
+/// Adds the statistics of one picture: times and counts are summed, those of the scene are the last picture's.
 void add_work(const Statistics& picture, Statistics& all);
 
 /// Throws Error where this build is without the rasterizer, as all that draws does.
 void check_built();
 
-/// What one frame of a picture shows where things move: the scene that is drawn at another moment, with as many
-/// materials and the IES profiles of that.
+/// The content of one frame of a moving picture: the drawn scene at another moment, with the same number of materials
+/// and the same IES profiles.
 struct Moment {
   std::shared_ptr<const Scene> scene;
   View view;
 };
 using MomentOf = std::function<Moment(int frame)>;
 
-/// An OpenGL context, and the environment that was baked last: many scenes pay for them once. To be used on the thread
-/// that made it, where there may be several.
+/// An OpenGL context, and the environment that was baked last: many scenes can share them. To be used only on the
+/// thread that made it, which may have several.
 class Device {
  public:
-  /// Throws Error where there is no OpenGL.
+  /// Throws Error without OpenGL.
   Device();
   ~Device();
   Device(const Device&) = delete;
@@ -94,11 +94,11 @@ class Device {
   std::unique_ptr<Parts> parts_;
 };
 
-/// A scene under its light, made ready to be drawn: uploaded, its light baked, its programs compiled. Pictures of the
-/// same settings share all of it. To be used on the thread of its device.
+/// A scene with its light, prepared for drawing: uploaded, its light baked, its programs compiled. Pictures with the
+/// same settings share all of it. To be used only on the thread of its device.
 class Drawer {
  public:
-  /// Without a device it opens one of its own. Throws Error for a scene that validate() refuses, and without OpenGL.
+  /// Without a device it opens its own. Throws Error for a scene that validate() refuses, and without OpenGL.
   Drawer(std::shared_ptr<const Scene> scene, const Environment& environment,
          const shade::ShadingModel& shading = shade::shading_model_candela(), std::shared_ptr<Device> device = nullptr);
   Drawer(Scene scene, const Environment& environment,
@@ -107,16 +107,16 @@ class Drawer {
   Drawer(const Drawer&) = delete;
   Drawer& operator=(const Drawer&) = delete;
 
-  /// Light within the scene, which stands in for light from far away on every surface: that of the nearest probe. For
-  /// what is drawn from here on; none: the environment's.
+  /// Light within the scene, which replaces distant light on every surface by that of the nearest probe, in the
+  /// pictures drawn from now on. None: the environment's light.
   void set_probes(std::vector<Probe> probes);
   /// Another moment of the same scene, as Moment::scene.
   void set_scene(std::shared_ptr<const Scene> scene);
 
-  /// The picture that a view has: the mean of its frames, after a stop of those so far, at least of one. Throws Error
-  /// for settings and views that make no sense, and where the driver refuses a shader or runs out of memory.
+  /// The picture of a view: the mean of its frames; after a stop, of those so far, at least one. Throws Error for
+  /// invalid settings and views, and if the driver rejects a shader or runs out of memory.
   Film render(const View& view, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr);
-  /// The same where each frame shows another moment. The last one stays.
+  /// The same with another moment in each frame. The scene of the last one stays.
   Film render(const MomentOf& moment, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr);
 
  private:
@@ -124,11 +124,11 @@ class Drawer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// One picture by a Drawer of its own. `scene` is not copied. Throws Error.
+/// One picture by a temporary Drawer. `scene` is not copied. Throws Error.
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             const Job& job = {}, Statistics* statistics = nullptr);
 
-/// Most bytes of main memory that the picture takes while it is drawn by a processor.
+/// Most bytes of main memory that the picture takes while a software driver draws it.
 std::uint64_t picture_bytes(const Settings& settings);
 
 }  // namespace candela::raster
