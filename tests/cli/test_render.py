@@ -249,6 +249,34 @@ class Statistics(CliTest):
         self.assertEqual(result.code, 1)
         self.assertIn("standard output", result.err)
 
+    def test_denoise_smooths_and_keeps_the_plain_picture(self):
+        self.succeeds(*SPHERES, *TINY, "-o", "plain.exr", "--seed", "3")
+        self.succeeds(*SPHERES, *TINY, "-o", "a.exr", "--seed", "3", "--denoise", "--stats", "s.json")
+        data = (self.folder / "a.exr").read_bytes()
+        self.assertIn(b"noisy.G\0", data)
+        self.assertIn(b"denoiser\0", data)
+        self.assertNotIn(b"noisy.G\0", (self.folder / "plain.exr").read_bytes())
+        self.assertGreater(json.loads((self.folder / "s.json").read_text())["denoise_s"], 0.0)
+
+    def test_denoise_gives_the_same_bytes_on_any_number_of_threads(self):
+        for threads in ("1", "2"):
+            self.succeeds(*SPHERES, *TINY, "-o", f"{threads}.exr", "--denoise", "--threads", threads)
+        self.assertEqual((self.folder / "1.exr").read_bytes(), (self.folder / "2.exr").read_bytes())
+
+    def test_open_image_denoise_that_is_not_there_is_replaced_with_a_warning(self):
+        done = self.succeeds(*SPHERES, *TINY, "-o", "a.png", "--denoise=oidn")
+        if "Open Image Denoise" in done.err:
+            self.assertIn("the built-in regression denoises", done.err)
+            self.fails(*SPHERES, *TINY, "-o", "b.png", "--denoise=oidn", "--strict", says="Open Image Denoise")
+
+    def test_denoise_is_refused_where_it_cannot_act(self):
+        for options, why in (
+            (("--denoise=median",), 'unknown way to denoise "median"'),
+            (("--denoise", "--integrator", "minimal"), "only for --integrator full"),
+            (("--denoise", "--engine", "raster"), "only for --engine path"),
+        ):
+            self.refuses(*SPHERES, *TINY, "-o", "a.png", *options, says=why)
+
     def test_noise_stop_takes_fewer_samples(self):
         self.succeeds(*SPHERES, "--size", "16x12", "--spp", "256", "--noise", "0.5", "-o", "a.png", "--stats", "s.json")
         self.assertLess(json.loads((self.folder / "s.json").read_text())["spp"], 256)

@@ -20,7 +20,6 @@ struct Light {
   int shadow_count;
 };
 
-
 struct Area {
   vec3 corner_0;
   float radius;
