@@ -22,6 +22,7 @@ constexpr float kLeastFeatureVariance = 0.01f;
 constexpr float kLeastAlbedo = 0.02f;    // that light is divided by
 constexpr float kLeastContrast = 0.01f;  // relative: less is no difference of light
 constexpr float kRidge = 1e-3f;          // of the window's weight: keeps what the window does not tell at 0
+constexpr float kLeastWeight = 0.5f;     // of a pixel, over the windows that hold it
 constexpr std::size_t kBrightRank = 1;   // a pixel is at most as bright as the second of those around it
 
 constexpr std::size_t kWidth = 2 * kRadius + 1;
@@ -275,10 +276,8 @@ Image regress(const Film& film) {
   for_rows(s.height, [&](int y) {
     for (int x = 0; x < s.width; ++x) {
       const std::size_t q = s.at(x, y);
-      // Where no window speaks for a pixel it speaks for itself.
-      constexpr float kOwn = 1e-3f;
-      float total = kOwn;
-      vec3 sum = kOwn * vec3(s.light[0][q], s.light[1][q], s.light[2][q]);
+      float total = 0.0f;
+      vec3 sum(0.0f);
       for (int row = rows.first(y); row < rows.count() && rows[row] - y <= kRadius; ++row) {
         for (int column = columns.first(x); column < columns.count() && columns[column] - x <= kRadius; ++column) {
           const ivec2 p(columns[column], rows[row]);
@@ -292,6 +291,12 @@ Image regress(const Film& film) {
             sum[c] += w * value;
           }
         }
+      }
+      // What no window speaks for, as a texel of a colour that no window's middle has, has a window of its own.
+      if (total < kLeastWeight) {
+        const Coefficients own = fit(s, {x, y});
+        sum = {own[0][0], own[1][0], own[2][0]};
+        total = 1.0f;
       }
       const vec3 albedo(s.albedo[0][q], s.albedo[1][q], s.albedo[2][q]);
       clean.set_rgb(x, y, glm::max(sum / total, 0.0f) * albedo + film.features->seen.rgb(x, y));
