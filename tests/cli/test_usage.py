@@ -93,7 +93,7 @@ class Usage(CliTest):
         self.refuses("info", "demo:spheres", "--size", "1x1", says="--size")
 
     def test_options_of_other_versions_are_not_taken_silently(self):
-        for option in (["--denoise"], ["--frame-thyme", "1.5s"]):
+        for option in (["--denoiser"], ["--frame-thyme", "1.5s"]):
             self.refuses("render", "demo:spheres", *option, says=option[0])
 
     def test_repeated_option(self):
