@@ -28,7 +28,9 @@ void denoise(Film& film, Method method) {
   for (int y = 0; y < film.height(); ++y) {
     for (int x = 0; x < film.width(); ++x) {
       const vec3 color = clean.rgb(x, y);
-      if (is_finite(color)) film.beauty.set_rgb(x, y, color);
+      // Where nothing is but a transparent background, no light may spread to.
+      const bool is_empty = film.beauty.at(x, y)[3] == 0.0f && max_component(film.beauty.rgb(x, y)) <= 0.0f;
+      if (is_finite(color) && !is_empty) film.beauty.set_rgb(x, y, color);
     }
   }
 }

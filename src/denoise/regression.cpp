@@ -77,11 +77,12 @@ Plane mean_of_nine(const Plane& in, int width, int height) {
 /// Lone bright pixels, which no window can tell from light, become as bright as what is around them.
 void clamp_outliers(Planes& s, std::array<Plane, 3>& variance) {
   constexpr int kReach = 2;
+  constexpr std::size_t kSide = 2 * kReach + 1;
   Plane level(s.light[0].size());
   for (std::size_t i = 0; i < level.size(); ++i)
     level[i] = luminance(vec3(s.light[0][i], s.light[1][i], s.light[2][i]));
   for_rows(s.height, [&](int y) {
-    std::array<float, (2 * kReach + 1) * (2 * kReach + 1)> around;
+    std::array<float, kSide * kSide> around;
     for (int x = 0; x < s.width; ++x) {
       auto end = around.begin();
       for (int j = std::max(y - kReach, 0); j <= std::min(y + kReach, s.height - 1); ++j) {
@@ -223,6 +224,21 @@ Coefficients fit(const Planes& s, ivec2 middle) {
   return b;
 }
 
+/// A fit may lie beyond all that it was fitted to; no light is brighter or darker than that of the 5×5 pixels around.
+vec3 within_neighbours(const Planes& s, ivec2 pixel, vec3 light) {
+  constexpr int kReach = 2;
+  vec3 least(kInfinity), most(0.0f);
+  for (int y = std::max(pixel.y - kReach, 0); y <= std::min(pixel.y + kReach, s.height - 1); ++y) {
+    for (int x = std::max(pixel.x - kReach, 0); x <= std::min(pixel.x + kReach, s.width - 1); ++x) {
+      const std::size_t q = s.at(x, y);
+      const vec3 other(s.light[0][q], s.light[1][q], s.light[2][q]);
+      least = glm::min(least, other);
+      most = glm::max(most, other);
+    }
+  }
+  return glm::clamp(light, glm::max(least, 0.0f), most);
+}
+
 /// Middles of windows along an axis.
 struct Middles {
   int size;
@@ -299,7 +315,8 @@ Image regress(const Film& film) {
         total = 1.0f;
       }
       const vec3 albedo(s.albedo[0][q], s.albedo[1][q], s.albedo[2][q]);
-      clean.set_rgb(x, y, glm::max(sum / total, 0.0f) * albedo + film.features->seen.rgb(x, y));
+      const vec3 light = within_neighbours(s, {x, y}, sum / total);
+      clean.set_rgb(x, y, light * albedo + film.features->seen.rgb(x, y));
     }
   });
   keep_what_is_certain(film, clean);

@@ -617,18 +617,18 @@ struct GltfFile::Parts {
 };
 
 GltfFile::GltfFile(std::vector<std::byte> bytes, const fs::path& base_folder, std::string label,
-                   Diagnostics& diagnostics, LoadOptions options, FileInfo* info)
+                   Diagnostics& diagnostics, const LoadOptions& options, FileInfo* info)
     : parts_(std::make_unique<Parts>(open_scene(std::move(bytes), base_folder, std::move(label), options.root), options,
                                      diagnostics)) {
   if (info) *info = parts_->info;
 }
 
-GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, LoadOptions options, FileInfo* info) {
+GltfFile::GltfFile(const fs::path& path, Diagnostics& diagnostics, const LoadOptions& options, FileInfo* info) {
   SceneSource source = open_gltf(path, options.root, options.measures, diagnostics);
   const std::string format = source.format;
   const std::size_t file_bytes = source.file_bytes;
   std::vector<ReferencedFile> read = files_of_source(path, source);
-  parts_ = std::make_unique<Parts>(std::move(source), std::move(options), diagnostics);
+  parts_ = std::make_unique<Parts>(std::move(source), options, diagnostics);
   parts_->scene_name = path.stem().string();
   parts_->info.format = format;
   parts_->info.file_bytes = file_bytes;

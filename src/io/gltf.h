@@ -121,10 +121,10 @@ Scene load_gltf(std::span<const std::byte> bytes, const std::filesystem::path& b
 class GltfFile {
  public:
   /// As load_gltf(); says in `info` what is known before the scene is read.
-  GltfFile(const std::filesystem::path& path, Diagnostics& diagnostics, LoadOptions options = {},
+  GltfFile(const std::filesystem::path& path, Diagnostics& diagnostics, const LoadOptions& options = {},
            FileInfo* info = nullptr);
   GltfFile(std::vector<std::byte> bytes, const std::filesystem::path& base_folder, std::string label,
-           Diagnostics& diagnostics, LoadOptions options = {}, FileInfo* info = nullptr);
+           Diagnostics& diagnostics, const LoadOptions& options = {}, FileInfo* info = nullptr);
   ~GltfFile();
   GltfFile(const GltfFile&) = delete;
   GltfFile& operator=(const GltfFile&) = delete;

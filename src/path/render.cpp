@@ -302,7 +302,8 @@ void Picture::Impl::find_empty() {
   parallel_for(0, pixel_count(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (covered[i] != 0) continue;
-      const vec2 middle = vec2(static_cast<float>(i % w), static_cast<float>(i / w)) + 0.5f;
+      const std::size_t x = i % w, y = i / w;
+      const vec2 middle = vec2(x, y) + 0.5f;
       std::array<vec3, 4> corners;
       for (std::size_t c = 0; c < 4; ++c) {
         const vec2 side((c & 1) != 0 ? 1.0f : -1.0f, (c & 2) != 0 ? 1.0f : -1.0f);
