@@ -45,6 +45,7 @@ struct Planes {
   std::array<Plane, kFeatures> features;
   std::array<Plane, 2> feature_variance;  ///< of normal and albedo
 
+  ivec2 size() const { return {width, height}; }
   std::size_t at(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
   }
@@ -56,6 +57,14 @@ void for_rows(int height, const std::function<void(int)>& body) {
   });
 }
 
+/// Calls `body(x, y)` for the (2 reach + 1)² pixels around one, row by row; fewer at borders.
+template <class Body>
+void for_square(ivec2 size, ivec2 middle, int reach, const Body& body) {
+  for (int y = std::max(middle.y - reach, 0); y <= std::min(middle.y + reach, size.y - 1); ++y) {
+    for (int x = std::max(middle.x - reach, 0); x <= std::min(middle.x + reach, size.x - 1); ++x) body(x, y);
+  }
+}
+
 /// Mean over 3×3 pixels, fewer at borders.
 Plane mean_of_nine(const Plane& in, int width, int height) {
   Plane out(in.size());
@@ -63,10 +72,10 @@ Plane mean_of_nine(const Plane& in, int width, int height) {
     for (int x = 0; x < width; ++x) {
       float sum = 0.0f;
       int count = 0;
-      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j) {
-        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i, ++count)
-          sum += in[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)];
-      }
+      for_square({width, height}, {x, y}, 1, [&](int i, int j) {
+        sum += in[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)];
+        ++count;
+      });
       out[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
           sum / static_cast<float>(count);
     }
@@ -85,9 +94,7 @@ void clamp_outliers(Planes& s, std::array<Plane, 3>& variance) {
     std::array<float, kSide * kSide> around;
     for (int x = 0; x < s.width; ++x) {
       auto end = around.begin();
-      for (int j = std::max(y - kReach, 0); j <= std::min(y + kReach, s.height - 1); ++j) {
-        for (int i = std::max(x - kReach, 0); i <= std::min(x + kReach, s.width - 1); ++i) *end++ = level[s.at(i, j)];
-      }
+      for_square(s.size(), {x, y}, kReach, [&](int i, int j) { *end++ = level[s.at(i, j)]; });
       const auto count = static_cast<std::size_t>(end - around.begin());
       const auto bright = around.begin() + static_cast<std::ptrdiff_t>(std::min(kBrightRank, count - 1));
       std::nth_element(around.begin(), bright, end, std::greater<>());
@@ -200,18 +207,17 @@ Coefficients fit(const Planes& s, ivec2 middle) {
   float total = 0.0f;
   std::size_t n = 0;
   const std::size_t p = s.at(middle.x, middle.y);
-  for (int y = std::max(middle.y - kRadius, 0); y <= std::min(middle.y + kRadius, s.height - 1); ++y) {
-    for (int x = std::max(middle.x - kRadius, 0); x <= std::min(middle.x + kRadius, s.width - 1); ++x, ++n) {
-      const std::size_t q = s.at(x, y);
-      const float w = weight(s, p, q);
-      const float root = std::sqrt(w);
-      total += w;
-      const std::array<float, kBasis> values = basis_at(s, middle, {x, y});
-      for (std::size_t i = 0; i < kBasis; ++i) basis[i][n] = root * values[i];
-      for (std::size_t c = 0; c < 3; ++c) light[c][n] = root * s.light[c][q];
-      for (std::size_t f = 0; f < 2; ++f) feature_noise[f] += w * s.feature_variance[f][q];
-    }
-  }
+  for_square(s.size(), middle, kRadius, [&](int x, int y) {
+    const std::size_t q = s.at(x, y);
+    const float w = weight(s, p, q);
+    const float root = std::sqrt(w);
+    total += w;
+    const std::array<float, kBasis> values = basis_at(s, middle, {x, y});
+    for (std::size_t i = 0; i < kBasis; ++i) basis[i][n] = root * values[i];
+    for (std::size_t c = 0; c < 3; ++c) light[c][n] = root * s.light[c][q];
+    for (std::size_t f = 0; f < 2; ++f) feature_noise[f] += w * s.feature_variance[f][q];
+    ++n;
+  });
   Matrix a{};
   Coefficients b{};
   for (std::size_t i = 0; i < kBasis; ++i) {
@@ -228,14 +234,12 @@ Coefficients fit(const Planes& s, ivec2 middle) {
 vec3 within_neighbours(const Planes& s, ivec2 pixel, vec3 light) {
   constexpr int kReach = 2;
   vec3 least(kInfinity), most(0.0f);
-  for (int y = std::max(pixel.y - kReach, 0); y <= std::min(pixel.y + kReach, s.height - 1); ++y) {
-    for (int x = std::max(pixel.x - kReach, 0); x <= std::min(pixel.x + kReach, s.width - 1); ++x) {
-      const std::size_t q = s.at(x, y);
-      const vec3 other(s.light[0][q], s.light[1][q], s.light[2][q]);
-      least = glm::min(least, other);
-      most = glm::max(most, other);
-    }
-  }
+  for_square(s.size(), pixel, kReach, [&](int x, int y) {
+    const std::size_t q = s.at(x, y);
+    const vec3 other(s.light[0][q], s.light[1][q], s.light[2][q]);
+    least = glm::min(least, other);
+    most = glm::max(most, other);
+  });
   return glm::clamp(light, glm::max(least, 0.0f), most);
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "base/parallel.h"
+
 namespace candela::path {
 
 namespace {
@@ -13,20 +15,22 @@ namespace {
 void scale_variance(const Image& halves, Image& variance) {
   constexpr int kRadius = 3;
   const Image before = variance;
-  for (int y = 0; y < variance.height; ++y) {
-    for (int x = 0; x < variance.width; ++x) {
-      double found = 0.0, told = 0.0;
-      for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, variance.height - 1); ++j) {
-        for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, variance.width - 1); ++i) {
-          if (halves.at(i, j)[0] <= 0.0f) continue;
-          const vec3 v = before.rgb(i, j);
-          found += static_cast<double>(halves.at(i, j)[0]);
-          told += static_cast<double>(v.x + v.y + v.z);
+  parallel_for(0, static_cast<std::size_t>(variance.height), 4, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < variance.width; ++x) {
+        double found = 0.0, told = 0.0;
+        for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, variance.height - 1); ++j) {
+          for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, variance.width - 1); ++i) {
+            if (halves.at(i, j)[0] <= 0.0f) continue;
+            const vec3 v = before.rgb(i, j);
+            found += static_cast<double>(halves.at(i, j)[0]);
+            told += static_cast<double>(v.x + v.y + v.z);
+          }
         }
+        if (told > 0.0) variance.set_rgb(x, y, before.rgb(x, y) * static_cast<float>(std::min(found / told, 1.0)));
       }
-      if (told > 0.0) variance.set_rgb(x, y, before.rgb(x, y) * static_cast<float>(std::min(found / told, 1.0)));
     }
-  }
+  });
 }
 
 }  // namespace

@@ -291,7 +291,7 @@ void Picture::Impl::render_tile(int tile, std::uint32_t first_sample, std::uint3
   totals_.non_finite += counts.non_finite;
 }
 
-/// After the first pass: most pictures of few samples end before.
+/// Before a second pass, which pictures of few samples have not.
 void Picture::Impl::find_empty() {
   constexpr std::uint64_t kMostTriangles = 20;  // per pixel: what projecting them may cost beside tracing
   const std::optional<Camera::Pinhole> pinhole = camera_.pinhole();
@@ -427,11 +427,11 @@ void Picture::Impl::trace(std::uint32_t limit, const Job& job) {
   interrupted_ = timed_out_ = false;
   while (!is_complete()) {
     if (next_tile_ == 0) pass_end_ = std::min(limit, next_look());
+    if (next_tile_ == 0 && done_ == kPassSamples) find_empty();
     run_pass(job);
     if (next_tile_ == tiles_x_ * tiles_y_) {
       done_ = pass_end_;
       next_tile_ = 0;
-      if (done_ == kPassSamples) find_empty();
       if (settings_.noise && done_ % kPassSamples == 0) find_converged();
     }
     if (!is_complete() && must_stop(job)) {

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 
 #include "base/error.h"
 #include "gl/gl.h"
@@ -17,16 +18,27 @@ inline void prefer_software() {
   setenv("MESA_SHADER_CACHE_DIR", (std::filesystem::temp_directory_path() / "candela-test-shaders").c_str(), 0);
 }
 
-/// Skips where there is no OpenGL.
-class NeedsGl : public testing::Test {
+/// Skips where there is no OpenGL; the context stays open for the test.
+class WithGl : public testing::Test {
  protected:
   void SetUp() override {
     prefer_software();
     try {
-      gl::Context::open();
+      context_ = gl::Context::open();
     } catch (const Error& error) {
       GTEST_SKIP() << error.what();
     }
+  }
+
+  std::unique_ptr<gl::Context> context_;
+};
+
+/// Skips likewise, for tests that open contexts of their own.
+class NeedsGl : public WithGl {
+ protected:
+  void SetUp() override {
+    WithGl::SetUp();
+    context_.reset();
   }
 };
 

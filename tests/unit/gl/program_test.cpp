@@ -12,19 +12,7 @@
 namespace candela {
 namespace {
 
-class unit_gl_program : public testing::Test {  // NOLINT(readability-identifier-naming): as its suite
- protected:
-  void SetUp() override {
-    test::prefer_software();
-    try {
-      context_ = gl::Context::open();
-    } catch (const Error& error) {
-      GTEST_SKIP() << error.what();
-    }
-  }
-
-  std::unique_ptr<gl::Context> context_;
-};
+using unit_gl_program = test::WithGl;  // NOLINT(readability-identifier-naming): as its suite
 
 const std::string kHead = "#version 300 es\nprecision highp float;\n";
 const std::string kVertex = kHead + "void main() { gl_Position = vec4(0.0); }\n";

@@ -13,17 +13,8 @@ namespace {
 
 using namespace test;
 
-class unit_raster_depth_range : public testing::Test {  // NOLINT(readability-identifier-naming): as its suite
+class unit_raster_depth_range : public WithGl {  // NOLINT(readability-identifier-naming): as its suite
  protected:
-  void SetUp() override {
-    prefer_software();
-    try {
-      context_ = gl::Context::open();
-    } catch (const Error& error) {
-      GTEST_SKIP() << error.what();
-    }
-  }
-
   DepthRange seen(const View& view, float aspect = 1.0f) {
     const Scene scene = builder_.build();
     Diagnostics ignored;
@@ -35,7 +26,6 @@ class unit_raster_depth_range : public testing::Test {  // NOLINT(readability-id
     builder_.add(quad(center - vec3(half, half, 0), {2 * half, 0, 0}, {0, 2 * half, 0}), matte(vec3(0.5f)));
   }
 
-  std::unique_ptr<gl::Context> context_;
   SceneBuilder builder_;
 };
 

@@ -13,18 +13,8 @@ namespace {
 
 using namespace test;
 
-class unit_raster_gpu_scene : public testing::Test {  // NOLINT(readability-identifier-naming): as its tests
+class unit_raster_gpu_scene : public WithGl {  // NOLINT(readability-identifier-naming): as its tests
  protected:
-  void SetUp() override {
-    prefer_software();
-    try {
-      context_ = gl::Context::open();
-    } catch (const Error& error) {
-      GTEST_SKIP() << error.what();
-    }
-  }
-
-  std::unique_ptr<gl::Context> context_;
   Diagnostics diagnostics_;
 };
 

@@ -16,15 +16,10 @@ namespace {
 
 using namespace test;
 
-class unit_raster_lights : public testing::Test {  // NOLINT(readability-identifier-naming): as its suite
+class unit_raster_lights : public WithGl {  // NOLINT(readability-identifier-naming): as its suite
  protected:
   void SetUp() override {
-    prefer_software();
-    try {
-      context_ = gl::Context::open();
-    } catch (const Error& error) {
-      GTEST_SKIP() << error.what();
-    }
+    WithGl::SetUp();
     builder_.add(box(vec3(-1.0f), vec3(1.0f)), matte(vec3(0.5f)));
   }
 
@@ -36,7 +31,6 @@ class unit_raster_lights : public testing::Test {  // NOLINT(readability-identif
     return collect_lights(scene, environment, gpu, camera, LightPoint(0.5f), 0.0f, 0, diagnostics_);
   }
 
-  std::unique_ptr<gl::Context> context_;
   SceneBuilder builder_;
   Diagnostics diagnostics_;
   Box3 bounds_;
