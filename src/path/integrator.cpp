@@ -266,10 +266,14 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       LightChances here;
       if (context.lights.can_sample() && !shade::surface_is_delta(point.surface)) {
         LightChances& target = is_straight ? here : chances;
-        context.lights.find_chances(receiver_at(point), target);
-        sample.radiance +=
-            walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, target,
-                                                      sees_background, choices.x, u_light, counts);
+        // What the eye sees straight or by mirrors is worth more lamps than what lights it.
+        context.lights.find_chances(receiver_at(point), bsdf_pdf <= 0.0f, target);
+        for (int i = 0; i < target.samples; ++i) {
+          sample.radiance +=
+              walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, target,
+                                                        sees_background, target.choice(i, choices.x),
+                                                        target.place(i, u_light), counts);
+        }
       }
       if (max_component(next.weight) <= 0.0f) break;
       walk.throughput *= next.weight;

@@ -1,5 +1,6 @@
 #include "path/light_tree.h"
 
+
 #include "base/check.h"
 
 namespace candela::path {
@@ -10,8 +11,6 @@ constexpr float kCosineRoom = 1e-4f;  // for what rounding does to angles on the
 constexpr std::size_t kBins = 12;
 constexpr std::size_t kManyLamps = std::size_t{1} << 17;  // from here on leaves hold several
 constexpr std::size_t kMostInLeaf = 8;
-
-float sine(float cosine) { return std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)); }
 
 /// Directions within an angle of an axis.
 struct Cone {
@@ -25,7 +24,7 @@ constexpr Cone kAllDirections{};
 /// cos(a + b), -1 from π on; both within 0 … π.
 float cos_sum(float cos_a, float cos_b) {
   if (cos_a + cos_b <= 0.0f) return -1.0f;
-  return cos_a * cos_b - sine(cos_a) * sine(cos_b);
+  return cos_a * cos_b - sine_of(cos_a) * sine_of(cos_b);
 }
 
 /// About the mean of both axes: not the least cone, but one found without angles.
@@ -110,7 +109,6 @@ void LightTree::Build::finish(Node& node, const Extent& extent, const Cone& cone
   node.radius = glm::length(half);
   node.axis = cone.axis;
   node.cos_spread = cone.cos_spread;
-  node.sin_spread = sine(cone.cos_spread);
   node.is_two_sided = cone.is_two_sided;
   node.strength = extent.power / solid_angle(node.cos_spread, node.cos_emission, cone.is_two_sided);
 }
@@ -232,62 +230,6 @@ LightTree::LightTree(std::span<const LightBounds> lamps) {
     ranks_[items[rank].lamp] = rank;
     if (leaf > 1) powers_[rank] = items[rank].power;
   }
-}
-
-float LightReceiver::mean_height(float height, float radius) const {
-  if (side == Side::both) {
-    const float above = std::abs(height);
-    return above >= radius ? above : 0.5f * (height * height + radius * radius) / radius;
-  }
-  if (height >= radius) return height;
-  const float above = height + radius;
-  return above > 0.0f ? 0.25f * above * above / radius : 0.0f;
-}
-
-/// Of the angle between a node's axis and the way from it to the receiver; below 0 where nothing arrives. `cos_axis` is
-/// that of the middle, `sin_ball` of half the angle under which the node is seen.
-float LightTree::emission(const Node& node, float cos_axis, float sin_ball) {
-  if (node.is_two_sided) cos_axis = std::abs(cos_axis);
-  if (cos_axis >= node.cos_spread) return 1.0f;
-  // ----- the least angle beyond the spread, seen from anywhere in the node
-  const float cos_ball = sine(sin_ball);
-  const float sin_axis = sine(cos_axis);
-  const float cos_beyond = cos_axis * node.cos_spread + sin_axis * node.sin_spread;
-  if (cos_beyond >= cos_ball) return 1.0f;
-  const float sin_beyond = sin_axis * node.cos_spread - cos_axis * node.sin_spread;
-  const float cosine = cos_beyond * cos_ball + sin_beyond * sin_ball;
-  return cosine < node.cos_emission ? -1.0f : std::max(cosine, LightReceiver::kLeastCosine);
-}
-
-LightTree::Estimate LightTree::estimate(const Node& node, const LightReceiver& receiver) {
-  const vec3 to_lamp = node.center - receiver.position;
-  const float d2 = glm::dot(to_lamp, to_lamp);
-  const float radius2 = node.radius * node.radius;
-  // Inside a group its light comes from all around: nearer than half its size does not count as nearer.
-  const float counted_d2 = std::max(d2, std::max(0.25f * radius2, 1e-12f));
-  const float inverse = 1.0f / std::sqrt(counted_d2);
-  float importance = std::min(node.strength * inverse * inverse, kMostImportance);
-  // ----- the cosine at the receiver
-  if (receiver.side != LightReceiver::Side::none) {
-    const float cosine = inverse * receiver.mean_height(glm::dot(receiver.normal, to_lamp), node.radius);
-    if (cosine >= LightReceiver::kLeastCosine) {
-      importance *= cosine;
-    } else {
-      const float highest = inverse * (glm::dot(receiver.normal, to_lamp) + node.radius);
-      importance *= receiver.facing(highest) > 0.0f ? LightReceiver::kLeastCosine : 0.0f;
-    }
-  }
-  // ----- the cone of the lamps
-  const bool is_inside = d2 <= radius2;
-  if (node.cos_spread > -1.0f && !is_inside) {
-    importance *= std::max(emission(node, -inverse * glm::dot(to_lamp, node.axis), node.radius * inverse), 0.0f);
-  }
-  // ----- the window of their range, from the nearest point
-  if (node.range < kInfinity) {
-    const float q = std::max(std::sqrt(d2) - node.radius, 0.0f) / node.range;
-    importance *= q <= 1.0f + 1e-4f ? std::max(1.0f - q * q * q * q, 1e-4f) : 0.0f;
-  }
-  return {importance, is_inside ? importance : importance * radius2 * inverse * inverse};
 }
 
 }  // namespace candela::path

@@ -12,6 +12,9 @@
 
 namespace candela::path {
 
+/// Of an angle within 0 … π by its cosine, or the other way round up to π/2.
+inline float sine_of(float cosine) { return std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)); }
+
 /// Where light is wanted, and from which side.
 struct LightReceiver {
   enum class Side : std::uint8_t { front, both, none };
@@ -64,7 +67,7 @@ class LightTree {
  public:
   /// Nodes that together hold every lamp which can reach the receiver.
   struct Cut {
-    static constexpr std::size_t kMost = 16;
+    static constexpr std::size_t kMost = 8;
     std::size_t size = 0;
     std::array<std::uint32_t, kMost> nodes;
     std::array<float, kMost> share;  ///< importance, or what is made of it
@@ -103,7 +106,6 @@ class LightTree {
     float radius = 0.0f;
     vec3 axis{0, 0, 1};
     float cos_spread = -1.0f;
-    float sin_spread = 0.0f;
     float cos_emission = 0.0f;
     float strength = 0.0f;  ///< candela along the axis
     float range = kInfinity;
@@ -137,6 +139,63 @@ class LightTree {
   std::vector<float> powers_;  ///< by rank, where leaves hold several
 };
 
+inline float LightReceiver::mean_height(float height, float radius) const {
+  if (side == Side::both) {
+    const float above = std::abs(height);
+    return above >= radius ? above : 0.5f * (height * height + radius * radius) / radius;
+  }
+  if (height >= radius) return height;
+  const float above = height + radius;
+  return above > 0.0f ? 0.25f * above * above / radius : 0.0f;
+}
+
+/// Of the angle between a node's axis and the way from it to the receiver; below 0 where nothing arrives. `cos_axis` is
+/// that of the middle, `sin_ball` of half the angle under which the node is seen.
+inline float LightTree::emission(const Node& node, float cos_axis, float sin_ball) {
+  if (node.is_two_sided) cos_axis = std::abs(cos_axis);
+  if (cos_axis >= node.cos_spread) return 1.0f;
+  // ----- the least angle beyond the spread, seen from anywhere in the node
+  const float cos_ball = sine_of(sin_ball);
+  const float sin_axis = sine_of(cos_axis), sin_spread = sine_of(node.cos_spread);
+  const float cos_beyond = cos_axis * node.cos_spread + sin_axis * sin_spread;
+  if (cos_beyond >= cos_ball) return 1.0f;
+  const float sin_beyond = sin_axis * node.cos_spread - cos_axis * sin_spread;
+  const float cosine = cos_beyond * cos_ball + sin_beyond * sin_ball;
+  return cosine < node.cos_emission ? -1.0f : std::max(cosine, LightReceiver::kLeastCosine);
+}
+
+inline LightTree::Estimate LightTree::estimate(const Node& node, const LightReceiver& receiver) {
+  const vec3 to_lamp = node.center - receiver.position;
+  const float d2 = glm::dot(to_lamp, to_lamp);
+  const float radius2 = node.radius * node.radius;
+  // Inside a group its light comes from all around: nearer than half its size does not count as nearer.
+  const float counted_d2 = std::max(d2, std::max(0.25f * radius2, 1e-12f));
+  const float inverse = 1.0f / std::sqrt(counted_d2);
+  float importance = std::min(node.strength * inverse * inverse, kMostImportance);
+  // ----- the cosine at the receiver
+  if (receiver.side != LightReceiver::Side::none) {
+    const float cosine = inverse * receiver.mean_height(glm::dot(receiver.normal, to_lamp), node.radius);
+    if (cosine >= LightReceiver::kLeastCosine) {
+      importance *= cosine;
+    } else {
+      const float highest = inverse * (glm::dot(receiver.normal, to_lamp) + node.radius);
+      importance *= receiver.facing(highest) > 0.0f ? LightReceiver::kLeastCosine : 0.0f;
+    }
+  }
+  // ----- the cone of the lamps
+  const bool is_inside = d2 <= radius2;
+  if (node.cos_spread > -1.0f && !is_inside) {
+    importance *= std::max(emission(node, -inverse * glm::dot(to_lamp, node.axis), node.radius * inverse), 0.0f);
+  }
+  // ----- the window of their range, from the nearest point
+  if (node.range < kInfinity) {
+    const float q = std::max(std::sqrt(d2) - node.radius, 0.0f) / node.range;
+    importance *= q <= 1.0f + 1e-4f ? std::max(1.0f - q * q * q * q, 1e-4f) : 0.0f;
+  }
+  if (node.children == 0) return {importance, 0.0f};
+  return {importance, is_inside ? importance : importance * radius2 * inverse * inverse};
+}
+
 template <class Exact>
 void LightTree::find_cut(const LightReceiver& receiver, std::size_t most, const Exact& exact, Cut& cut) const {
   const Estimate root = estimate(0, receiver, exact);
@@ -144,17 +203,17 @@ void LightTree::find_cut(const LightReceiver& receiver, std::size_t most, const 
   cut.nodes[0] = 0;
   cut.share[0] = root.importance;
   // The bits of a float that is not negative are in its order; the lowest say which node it is.
-  static_assert(Cut::kMost == 16);
+  static_assert(Cut::kMost == 8);
   std::array<std::int32_t, Cut::kMost> errors{};
   const auto key = [](float error, std::size_t place) {
-    return static_cast<std::int32_t>((std::bit_cast<std::uint32_t>(error) & ~15U) | static_cast<std::uint32_t>(place));
+    return static_cast<std::int32_t>((std::bit_cast<std::uint32_t>(error) & ~7U) | static_cast<std::uint32_t>(place));
   };
   errors[0] = key(root.error, 0);
   while (cut.size > 0 && cut.size < most) {
     std::int32_t largest = errors[0];
     for (std::size_t i = 1; i < Cut::kMost; ++i) largest = std::max(largest, errors[i]);
-    if (largest < 16) break;  // leaves only
-    const auto worst = static_cast<std::size_t>(largest & 15);
+    if (largest < 8) break;  // leaves only
+    const auto worst = static_cast<std::size_t>(largest & 7);
     const std::uint32_t children = nodes_[cut.nodes[worst]].children;
     std::size_t place = worst;
     for (std::uint32_t child = children; child < children + 2; ++child) {
@@ -174,7 +233,7 @@ void LightTree::find_cut(const LightReceiver& receiver, std::size_t most, const 
     --cut.size;
     cut.nodes[worst] = cut.nodes[cut.size];
     cut.share[worst] = cut.share[cut.size];
-    errors[worst] = key(std::bit_cast<float>(errors[cut.size] & ~15), worst);
+    errors[worst] = key(std::bit_cast<float>(errors[cut.size] & ~7), worst);
     errors[cut.size] = 0;
   }
 }
@@ -189,12 +248,13 @@ LightTree::Choice LightTree::choose(std::uint32_t index, const LightReceiver& re
     const float a = estimate(left, receiver, exact).importance;
     const float b = estimate(left + 1, receiver, exact).importance;
     if (!(a + b > 0.0f)) return {};
-    const float chance = a / (a + b);
-    const bool is_left = u < chance;
-    const float taken = is_left ? chance : b / (a + b);
-    u = std::clamp(is_left ? u / chance : (u - chance) / taken, 0.0f, kAlmostOne);
-    pmf *= taken;
-    index = is_left ? left : left + 1;
+    // Which way cannot be foretold: no jumps.
+    const float place = u * (a + b);
+    const bool is_left = place < a;
+    const float taken = is_left ? a : b;
+    u = std::clamp((place - (is_left ? 0.0f : a)) / taken, 0.0f, kAlmostOne);
+    pmf *= taken / (a + b);
+    index = left + static_cast<std::uint32_t>(!is_left);
   }
   const Node& node = nodes_[index];
   std::uint32_t rank = node.first;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <cstdlib>
+
 #include "base/error.h"
 #include "base/parallel.h"
 #include "math/sobol.h"
@@ -77,7 +77,8 @@ ProfileCone profile_cone(const IesProfile& p) {
   const float highest = p.vertical_deg[std::min(last + 1, count - 1)];
   const bool is_up = 180.0f - lowest < highest;
   const vec3 web_axis(0, 0, is_up ? 1 : -1);
-  return {glm::transpose(p.web_from_light) * web_axis, std::min(radians(is_up ? 180.0f - lowest : highest) + kRoom, kPi)};
+  return {glm::transpose(p.web_from_light) * web_axis,
+          std::min(radians(is_up ? 180.0f - lowest : highest) + kRoom, kPi)};
 }
 
 }  // namespace
@@ -191,7 +192,8 @@ void Lights::make_sources() {
     if (i == 0 || triangles_[i].placement != triangles_[i - 1].placement) starts.push_back(i);
   }
   const char* force = std::getenv("TREE");
-  const bool are_few = force ? std::atoi(force) == 0 : sources_.size() + punctual_.size() + starts.size() <= LightChances::kMost;
+  const bool are_few =
+      force ? std::atoi(force) == 0 : sources_.size() + punctual_.size() + starts.size() <= LightChances::kMost;
   if (!are_few) {
     make_directional_sources();
     make_tree();
@@ -244,7 +246,8 @@ LightBounds Lights::bounds_of(const PunctualLight& light) const {
     const ProfileCone cone = profile_cone(*light.ies);
     const vec3 z = -light.lamp.direction;
     const vec3 y = glm::cross(z, light.lamp.across) * light.lamp.handedness;
-    bounds = cone_light_bounds(light.position, mat3(light.lamp.across, y, z) * cone.axis, 0.0f, cone.reach, light.power);
+    bounds =
+        cone_light_bounds(light.position, mat3(light.lamp.across, y, z) * cone.axis, 0.0f, cone.reach, light.power);
   } else {
     bounds.box.extend(light.position);
     bounds.power = light.power;
@@ -272,7 +275,13 @@ LightBounds Lights::bounds_of(const PunctualLight& light) const {
 LightBounds Lights::bounds_of(const TriangleLight& light, float power) const {
   const Placement& placement = geometry_.placement(light.placement);
   const TrianglePositions p = triangle_positions(placement, light.triangle);
-  const vec3 normal = glm::cross(p.p1 - p.p0, p.p2 - p.p0) / (2.0f * light.area);
+  const vec3 normal = glm::normalize(glm::cross(p.p1 - p.p0, p.p2 - p.p0));
+  if (!std::isfinite(normal.x + normal.y + normal.z)) {
+    // Too small for a direction.
+    LightBounds bounds = triangle_light_bounds(p.p0, p.p1, p.p2, vec3(0, 0, 1), false, power);
+    bounds.cos_spread = -1.0f;
+    return bounds;
+  }
   return triangle_light_bounds(p.p0, p.p1, p.p2, placement.is_mirrored ? -normal : normal,
                                placement.mesh->material->factors.double_sided, power);
 }
@@ -339,8 +348,9 @@ float Lights::irradiance(const Source& source, const LightReceiver& receiver) co
   return 0.0f;
 }
 
-void Lights::find_chances(const LightReceiver& receiver, LightChances& chances) const {
+void Lights::find_chances(const LightReceiver& receiver, bool is_seen, LightChances& chances) const {
   chances.receiver = receiver;
+  chances.samples = 1;
   chances.tree.size = 0;
   if (tree_.empty() && sources_.size() == 1) {
     chances.pmf[0] = 1.0f;
@@ -352,9 +362,12 @@ void Lights::find_chances(const LightReceiver& receiver, LightChances& chances) 
     sum += chances.pmf[i];
   }
   if (!tree_.empty()) {
-    static const std::size_t kCut = std::getenv("CUT") ? std::atoi(std::getenv("CUT")) : 16;
+    static const std::size_t kCut = std::getenv("CUT") ? std::atoi(std::getenv("CUT")) : 8;
+    static const std::size_t kCut2 = std::getenv("CUT2") ? std::atoi(std::getenv("CUT2")) : 4;
+    static const int kSamples = std::getenv("NS") ? std::atoi(std::getenv("NS")) : 4;
+    if (is_seen) chances.samples = kSamples;
     const auto exact = [this](std::uint32_t lamp, const LightReceiver& at) { return leaf_irradiance(lamp, at); };
-    tree_.find_cut(receiver, kCut, exact, chances.tree);
+    tree_.find_cut(receiver, is_seen ? kCut : kCut2, exact, chances.tree);
     for (std::size_t i = 0; i < chances.tree.size; ++i) sum += chances.tree.share[i];
   }
   const float scale = sum > 0.0f ? 1.0f / sum : 0.0f;
@@ -374,7 +387,7 @@ LightSample Lights::sample(const LightChances& chances, float u_choice, vec2 u) 
   if (chance <= 0.0f) return {};
   LightSample s =
       sample_source(sources_[index], chances.receiver.position, std::min(u_choice / chance, 0x1.fffffep-1f), u);
-  s.pdf *= chance;
+  s.pdf *= chance * static_cast<float>(chances.samples);
   return s;
 }
 
@@ -414,9 +427,10 @@ LightSample Lights::sample_tree(const LightChances& chances, float u_choice, vec
       tree_.choose(cut.nodes[index], receiver, std::min(u_choice / chance, 0x1.fffffep-1f), exact);
   if (choice.pmf <= 0.0f) return {};
   const std::uint32_t light = tree_lights_[choice.lamp];
-  LightSample s = light < punctual_.size() ? sample_punctual(punctual_[light], receiver.position)
-                                           : sample_triangle(triangles_[light - punctual_.size()], receiver.position, u);
-  s.pdf *= choice.pmf * chance;
+  LightSample s = light < punctual_.size()
+                      ? sample_punctual(punctual_[light], receiver.position)
+                      : sample_triangle(triangles_[light - punctual_.size()], receiver.position, u);
+  s.pdf *= choice.pmf * chance * static_cast<float>(chances.samples);
   return s;
 }
 
@@ -494,11 +508,12 @@ vec3 Lights::escaped_radiance(vec3 direction, const EnvironmentLight::Footprint&
   const EnvironmentLight::Value value = environment_.read(footprint);
   vec3 radiance = value.radiance;
   std::size_t source = 0;
+  const auto samples = static_cast<float>(chances.samples);
   if (environment_.can_sample()) {
-    radiance *= mis_weight(bsdf_pdf, value.pdf * chances.pmf[source++], kEnvironmentMisPower);
+    radiance *= mis_weight(bsdf_pdf, value.pdf * samples * chances.pmf[source++], kEnvironmentMisPower);
   }
   for (const auto& sun : environment_.suns()) {
-    const float chance = chances.pmf[source++];
+    const float chance = samples * chances.pmf[source++];
     if (!sun.contains(direction)) continue;
     radiance += sun.radiance * mis_weight(bsdf_pdf, chance / sun.solid_angle, kAreaMisPower);
   }
@@ -509,7 +524,7 @@ float Lights::triangle_pdf(int light, const LightChances& chances, float distanc
   const TriangleLight& triangle = triangles_[static_cast<std::size_t>(light)];
   if (cos_light <= 0.0f || triangle.area <= 0.0f || triangle_powers_[static_cast<std::size_t>(light)] <= 0.0f)
     return 0.0f;
-  const float density = distance * distance / (triangle.area * cos_light);
+  const float density = static_cast<float>(chances.samples) * distance * distance / (triangle.area * cos_light);
   if (tree_.empty()) {
     const Source& source = sources_[triangle.source];
     const int index = light - static_cast<int>(source.first);

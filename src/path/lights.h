@@ -15,7 +15,9 @@ struct LightSample {
   float distance = kInfinity;
   vec3 target{0.0f};    ///< where a shadow ray ends when `distance` is finite: the lamp, or just before its surface
   vec3 radiance{0.0f};  ///< of a delta light: irradiance on a surface that faces it; of the map: see Lights::radiance
-  float pdf = 0.0f;  ///< per solid angle, with the chance of this light; of a delta light that chance alone; 0 = none
+  /// Per solid angle, with the chance of this light and times LightChances::samples; of a delta light without the solid
+  /// angle; 0 = none.
+  float pdf = 0.0f;
   bool is_delta = false;
   float mis_power = 1.0f;  ///< exponent of the heuristic for this kind of light
   bool is_map = false;     ///< `footprint` holds where its radiance stands
@@ -41,8 +43,21 @@ inline constexpr float kAreaMisPower = 2.0f;
 struct LightChances {
   static constexpr std::size_t kMost = 32;
   LightReceiver receiver;
-  std::array<float, kMost> pmf;  ///< one per source; with those of the tree sum 1, or all 0 where no light can come from
-  LightTree::Cut tree;           ///< `share` is a pmf here
+  std::array<float, kMost>
+      pmf;              ///< one per source; with those of the tree sum 1, or all 0 where no light can come from
+  LightTree::Cut tree;  ///< `share` is a pmf here
+  /// How many lights the receiver samples. Densities are those of all together, so that their sum is the estimate.
+  int samples = 1;
+
+  /// Of sample `i`: `u`, the same for all, gives each its stratum of the lights and its point on them.
+  float choice(int i, float u) const {
+    return samples == 1 ? u : (static_cast<float>(i) + u) / static_cast<float>(samples);
+  }
+  static vec2 place(int i, vec2 u) {
+    // Additive recurrence by the powers of 1 / 1.3247…, the real root of x³ = x + 1.
+    const vec2 moved = u + static_cast<float>(i) * vec2(0.7548777f, 0.5698403f);
+    return i == 0 ? u : glm::min(moved - glm::floor(moved), vec2(0x1.fffffep-1f));
+  }
 
   LightChances() {}  // NOLINT(modernize-use-equals-default): the array is left as it is
 };
@@ -56,8 +71,9 @@ class Lights {
   Lights(const Scene& scene, const Environment& environment, Geometry& geometry);
 
   bool can_sample() const { return !sources_.empty() || !tree_.empty(); }
-  void find_chances(const LightReceiver& receiver, LightChances& chances) const;
-  /// For the receiver of the chances.
+  /// `is_seen`: the receiver is what the picture shows, and not only what lights that.
+  void find_chances(const LightReceiver& receiver, bool is_seen, LightChances& chances) const;
+  /// One of chances.samples for their receiver.
   LightSample sample(const LightChances& chances, float u_choice, vec2 u) const;
   /// Starts the memory access that sample(…, u) is likely to wait for.
   void prefetch(vec2 u) const {
@@ -136,8 +152,8 @@ class Lights {
   std::vector<PunctualLight> punctual_;
   std::vector<TriangleLight> triangles_;
   std::vector<float> triangle_powers_;
-  std::vector<Source> sources_;  ///< the map (if it can be sampled), the suns, then the others
-  LightTree tree_;               ///< of all that stand at a place, where they are too many for sources
+  std::vector<Source> sources_;             ///< the map (if it can be sampled), the suns, then the others
+  LightTree tree_;                          ///< of all that stand at a place, where they are too many for sources
   std::vector<std::uint32_t> tree_lights_;  ///< its lamps, in the order punctual lights, triangles
 };
 
