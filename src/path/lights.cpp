@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -191,10 +190,8 @@ void Lights::make_sources() {
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     if (i == 0 || triangles_[i].placement != triangles_[i - 1].placement) starts.push_back(i);
   }
-  const char* force = std::getenv("TREE");
-  const bool are_few =
-      force ? std::atoi(force) == 0 : sources_.size() + punctual_.size() + starts.size() <= LightChances::kMost;
-  if (!are_few) {
+  const bool are_few = sources_.size() + punctual_.size() + starts.size() <= LightChances::kMost;
+  if (!are_few || triangles_matter()) {
     make_directional_sources();
     make_tree();
     return;
@@ -211,6 +208,24 @@ void Lights::make_sources() {
     }
     sources_.push_back(std::move(source));
   }
+}
+
+/// Whether so many triangles glow, and so brightly beside what is far away, that choosing among all of a primitive by
+/// power would be the noise of the picture.
+bool Lights::triangles_matter() const {
+  constexpr std::ptrdiff_t kFew = 32;
+  constexpr float kLeastShare = 0.1f;
+  const auto glows = [](float power) { return power > 0.0f; };
+  if (std::count_if(triangle_powers_.begin(), triangle_powers_.end(), glows) <= kFew) return false;
+  double power = 0.0, distant = 0.0;
+  for (const float p : triangle_powers_) power += static_cast<double>(p);
+  for (const Source& source : sources_) distant += static_cast<double>(source.strength);
+  for (const PunctualLight& light : punctual_) {
+    if (light.lamp.kind == shade::kDirectionalLight) distant += static_cast<double>(light.power);
+  }
+  // At half the way from the middle of the scene to its corners.
+  const auto distance = static_cast<double>(0.25f * glm::length(geometry_.bounds().size()));
+  return power / (4.0 * M_PI * distance * distance) > static_cast<double>(kLeastShare) * distant;
 }
 
 /// Lamps without a place can be in no tree: each is a source, or all are one where they would leave too little of the
@@ -362,13 +377,13 @@ void Lights::find_chances(const LightReceiver& receiver, bool is_seen, LightChan
     sum += chances.pmf[i];
   }
   if (!tree_.empty()) {
-    static const std::size_t kCut = std::getenv("CUT") ? std::atoi(std::getenv("CUT")) : 8;
-    static const std::size_t kCut2 = std::getenv("CUT2") ? std::atoi(std::getenv("CUT2")) : 4;
-    static const int kSamples = std::getenv("NS") ? std::atoi(std::getenv("NS")) : 4;
-    if (is_seen) chances.samples = kSamples;
     const auto exact = [this](std::uint32_t lamp, const LightReceiver& at) { return leaf_irradiance(lamp, at); };
-    tree_.find_cut(receiver, is_seen ? kCut : kCut2, exact, chances.tree);
-    for (std::size_t i = 0; i < chances.tree.size; ++i) sum += chances.tree.share[i];
+    tree_.find_cut(receiver, is_seen ? LightTree::Cut::kMost : LightTree::Cut::kMost / 2, exact, chances.tree);
+    float by_tree = 0.0f;
+    for (std::size_t i = 0; i < chances.tree.size; ++i) by_tree += chances.tree.share[i];
+    sum += by_tree;
+    constexpr float kMore = 3.0f;  // samples, where there is nothing but the tree
+    if (is_seen && sum > 0.0f) chances.samples = 1 + static_cast<int>(kMore * (by_tree / sum) + 0.5f);
   }
   const float scale = sum > 0.0f ? 1.0f / sum : 0.0f;
   for (std::size_t i = 0; i < sources_.size(); ++i) chances.pmf[i] *= scale;

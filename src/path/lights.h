@@ -64,7 +64,7 @@ struct LightChances {
 
 /// Every light in the scene, in sources: the map, a sun, a punctual light, the emissive triangles of one primitive. A
 /// source is chosen by an estimate of its irradiance at the point in question (its power over the squared distance), a
-/// triangle of it by power. Where there are too many, all that stand at a place are in a tree.
+/// triangle of it by power. Where these are too many, or the triangles, all that stand at a place are in a tree.
 class Lights {
  public:
   /// Numbers the emissive triangles in `geometry`. `scene` must outlive this.
@@ -130,6 +130,7 @@ class Lights {
   void add_triangles(Geometry& geometry);
   void make_sources();
   Source triangle_source(std::size_t first, std::size_t count) const;
+  bool triangles_matter() const;
   void make_directional_sources();
   void make_tree();
   LightBounds bounds_of(const PunctualLight& light) const;
