@@ -51,7 +51,7 @@ struct BakeOptions {
 };
 
 template <class T, std::size_t n>
-auto one_of(std::array<std::pair<std::string_view, T>, n> choices) {
+auto one_of(const std::array<std::pair<std::string_view, T>, n>& choices) {
   return [choices](const std::string& text) {
     std::string known;
     for (const auto& [name, value] : choices) {
@@ -163,7 +163,7 @@ void add_files(Command& command, BakeOptions& o) {
             "By which a cube map that is read is looked up, in terms of the world's: -x+y+z is as seen from inside")
       .group(group);
   command.texts("--diff", o.compared, "Compare two baked cube maps, level by level, and bake nothing")
-      .type("FILE")
+      .type("OLD NEW")
       .values(2)
       .group(group);
 }
@@ -399,9 +399,8 @@ void run_bake(BakeOptions& o) {
 Verb add_bake(Command& command) {
   const auto options = std::make_shared<BakeOptions>();
   command.text("ENV", options->light.environment,
-               "An equirectangular .exr (:LAYER), .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a "
-               "folder of "
-               "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace");
+               "An equirectangular .exr (:LAYER), .hdr, .png, .jpg, .webp or .avif; a cube map: .ktx2, .ktx, .dds, a "
+               "cross or strip, a folder of six faces or a pattern with %s; or studio, sky, sky:DEG, furnace");
   command.text("-o,--output", options->output, "Folder to write to; it is made where it is absent").type("DIR");
   add_cube(command, *options);
   add_diffuse(command, *options);

@@ -370,9 +370,7 @@ std::string default_output(const RenderOptions& o, int attempt) {
 }
 
 void add_render_options(Command& command, RenderOptions& options) {
-  command
-      .texts("SCENE", options.scenes,
-             "A .glb, a .gltf, a .zip with one of them, or a built-in demo:NAME; several with -o DIR")
+  command.texts("SCENE", options.scenes, "A file (" + kSceneFiles + ") or a built-in demo:NAME; several with -o DIR")
       .required();
   add_picture(command, options);
   add_sampling(command, options);

@@ -110,7 +110,8 @@ class Picture {
 
   /// Traces until every pixel has `samples`, or as many as Settings::noise requires; existing samples count, also those
   /// of a stopped pass. The picture is the same as from one call with as many samples. Settings::time_limit_s applies
-  /// to each call; Settings::samples is ignored.
+  /// to each call; Settings::samples is ignored. What a callback of the job throws arrives here, and the picture can be
+  /// continued; after std::bad_alloc it cannot.
   void trace(int samples, const Job& job = {});
 
   /// The picture so far.
