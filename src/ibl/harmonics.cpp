@@ -80,7 +80,6 @@ class Legendre {
 struct RowPoints {
   int per_row = 1;
   std::vector<double> polar;
-  polar.reserve(half);
   std::vector<double> weight;  ///< ∫ sin θ dθ
 };
 
