@@ -4,7 +4,7 @@ A floor of 20 m with 60 boxes and balls, and COUNT lamps 0.3 to 3 m above it tha
 their number, each of its own colour and power (over a decade). KIND is
   points    KHR_lights_punctual
   spots     the same, 25° wide, aimed downwards within 60°
-  bowls     the lower parts of balls 6 cm wide, in 20 glowing triangles, all nodes of one mesh per colour
+  bowls     the lower parts of balls 6 cm wide, in 16 glowing triangles, all nodes of one mesh per colour
   panels    single glowing triangles 6 cm wide that look down within 40°, all in one primitive per colour
 The surfaces of the last two cannot be seen from above, so that pictures from there compare light that was found, not
 edges of lamps. docs/performance.md has the table.
