@@ -21,7 +21,7 @@ struct PlacedLight {
 SceneBuilder hall() {
   SceneBuilder b;
   b.add(plane(vec3(0.0f), 4.0f), matte({0.7f, 0.6f, 0.5f}));
-  b.add(box({-0.8f, 0, -0.8f}, {-0.2f, 0.6f, -0.2f}), plastic({0.2f, 0.6f, 0.8f}, 0.4f));
+  b.add(box({-0.8f, 0, -0.8f}, {-0.2f, 0.6f, -0.2f}), plastic({0.2f, 0.6f, 0.8f}, 0.15f));
   Material sheet = matte({0.8f, 0.8f, 0.8f});
   sheet.diffuse_transmission = 0.6f;
   sheet.double_sided = true;
@@ -43,7 +43,7 @@ std::vector<PlacedLight> mixed_lights(std::size_t count) {
       p.light = spot_light(color, 2.0f * intensity, 0.1f + 0.4f * u.x, 0.6f + 0.5f * u.y);
       p.where = aimed(at, vec3(2.0f * u.z - 1.0f, 0.3f, 2.0f * u.x - 1.0f));
     }
-    if (i % 20 == 6) p.light = sunlight(color, 0.1f * intensity);
+    if (i % 20 == 6) p.light = sunlight(color, 2.0f * intensity);
     lights.push_back(p);
   }
   return lights;
@@ -86,9 +86,9 @@ Scene many_surfaces() {
     const vec3 u = random.next_vec3();
     const vec3 at(4.0f * u.x - 2.0f, 0.3f + 1.2f * u.y, 4.0f * u.z - 2.0f);
     if (i % 3 == 0) {
-      b.add(sphere(at, 0.1f, 1, true), lamp({6, 4, 2}));
+      b.add(sphere(at, 0.2f, 1, true), lamp({6, 4, 2}));
     } else {
-      const vec3 a = 0.3f * (random.next_vec3() - 0.5f), c = 0.3f * (random.next_vec3() - 0.5f);
+      const vec3 a = 0.9f * (random.next_vec3() - 0.5f), c = 0.9f * (random.next_vec3() - 0.5f);
       b.add(quad(at, a, c), i % 3 == 1 ? lamp({3, 6, 4}) : both);
     }
   }
