@@ -57,6 +57,16 @@ void for_rows(int height, const std::function<void(int)>& body) {
   });
 }
 
+/// The same, telling how far it is between two shares of the whole work.
+void for_rows(int height, const Job& job, double from, double to, const std::function<void(int)>& body) {
+  constexpr int kSteps = 8;
+  for (int step = 0; step < kSteps; ++step) {
+    const int first = height * step / kSteps, end = height * (step + 1) / kSteps;
+    for_rows(end - first, [&](int row) { body(first + row); });
+    job.report({.fraction = from + (to - from) * (step + 1) / kSteps, .what = "denoising"});
+  }
+}
+
 /// Calls `body(x, y)` for the (2 reach + 1)² pixels around one, row by row; fewer at borders.
 template <class Body>
 void for_square(ivec2 size, ivec2 middle, int reach, const Body& body) {
@@ -280,20 +290,20 @@ void keep_what_is_certain(const Film& film, Image& clean) {
 
 }  // namespace
 
-Image regress(const Film& film) {
+Image regress(const Film& film, const Job& job) {
   const Planes s = make_planes(film);
   const Middles columns{s.width}, rows{s.height};
   const auto index = [&](int column, int row) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns.count()) + static_cast<std::size_t>(column);
   };
   std::vector<Coefficients> fits(index(0, rows.count()));
-  for_rows(rows.count(), [&](int row) {
+  for_rows(rows.count(), job, 0.1, 0.6, [&](int row) {
     for (int column = 0; column < columns.count(); ++column)
       fits[index(column, row)] = fit(s, {columns[column], rows[row]});
   });
 
   Image clean(s.width, s.height, 3);
-  for_rows(s.height, [&](int y) {
+  for_rows(s.height, job, 0.6, 1.0, [&](int y) {
     for (int x = 0; x < s.width; ++x) {
       const std::size_t q = s.at(x, y);
       float total = 0.0f;

@@ -273,10 +273,37 @@ class Statistics(CliTest):
     def test_denoise_is_refused_where_it_cannot_act(self):
         for options, why in (
             (("--denoise=median",), 'unknown way to denoise "median"'),
-            (("--denoise", "--integrator", "minimal"), "only for --integrator full"),
+            (("--denoise", "--integrator", "minimal"), "--denoise: only for --integrator full"),
             (("--denoise", "--engine", "raster"), "only for --engine path"),
         ):
             self.refuses(*SPHERES, *TINY, "-o", "a.png", *options, says=why)
+
+    def spp(self, *options):
+        self.succeeds(*SPHERES, *TINY[:2], *options, "-o", "a.exr", "--stats", "s.json")
+        stats = json.loads((self.folder / "s.json").read_text())
+        return stats.get("spp", stats.get("frames")), b"denoiser\0" in (self.folder / "a.exr").read_bytes()
+
+    def test_a_quality_is_samples_noise_and_denoising(self):
+        self.assertEqual(TINY[0], "--size")
+        self.assertEqual(self.spp("--quality", "draft"), (16, True))
+        good, denoised = self.spp("--quality", "good")
+        self.assertTrue(16 <= good <= 256 and denoised, good)
+        final, denoised = self.spp("--quality", "final", "--time", "20s")
+        self.assertTrue(good < final <= 4096 and denoised, (good, final))
+
+    def test_what_is_given_goes_before_the_quality(self):
+        self.assertEqual(self.spp("--quality", "final", "--spp", "3"), (3, True))
+        self.assertEqual(self.spp("--quality", "draft", "--denoise=none"), (16, False))
+        self.assertEqual(self.spp("--quality", "good", "--noise", "0.9")[0], 16)
+        self.assertEqual(self.spp("--quality", "draft", "--integrator", "minimal", "--denoise=none"), (16, False))
+        self.refuses(*SPHERES, "--quality", "draft", "--integrator", "minimal", says="--quality: .*--integrator full")
+        self.refuses(*SPHERES, "--quality", "best", says="--quality: unknown quality.*draft, good, final")
+
+    def test_a_quality_is_of_all_pictures_of_a_set(self):
+        self.succeeds(*SPHERES, *TINY[:2], "--quality", "draft", "--turntable", "2", "-o", "%d.exr")
+        for name in ("0.exr", "1.exr"):
+            self.assertIn(b"denoiser\0", (self.folder / name).read_bytes())
+        self.succeeds(*SPHERES, "demo:cornell", *TINY[:2], "--quality", "draft", "-o", "out/")
 
     def test_noise_stop_takes_fewer_samples(self):
         self.succeeds(*SPHERES, "--size", "16x12", "--spp", "256", "--noise", "0.5", "-o", "a.png", "--stats", "s.json")

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -145,6 +147,31 @@ TEST(unit_denoise, pictures_of_any_size_and_odd_numbers_stay_finite) {
   dark.film.beauty.set_rgb(5, 5, vec3(1e30f));
   denoise::denoise(dark.film, Method::regression);
   EXPECT_TRUE(is_finite_and_not_negative(dark.film.beauty));
+}
+
+TEST(unit_denoise, a_stop_while_it_works_leaves_the_film_as_it_was) {
+  const Synthetic before = synthetic({40, 40}, 0.3f, slope, even);
+  for (const Method method : {Method::regression, Method::oidn}) {
+    if (!denoise::why_not(method).empty()) continue;
+    Synthetic s = before;
+    std::atomic<bool> stop{false};
+    std::vector<double> fractions;
+    Job job{.stop = &stop};
+    job.progress = [&](const Progress& p) {
+      fractions.push_back(p.fraction);
+      stop = true;
+    };
+    EXPECT_FALSE(denoise::denoise(s.film, method, job));
+    EXPECT_EQ(s.film.beauty.pixels, before.film.beauty.pixels);
+    EXPECT_TRUE(s.film.noisy.empty());
+    EXPECT_EQ(fractions.size(), 1U) << "it went on";
+    // A stop that came before is that of the samples: they are what is denoised.
+    EXPECT_TRUE(denoise::denoise(s.film, method, job));
+    EXPECT_NE(s.film.beauty.pixels, before.film.beauty.pixels);
+    EXPECT_EQ(s.film.noisy.pixels, before.film.beauty.pixels);
+    EXPECT_TRUE(std::is_sorted(fractions.begin() + 1, fractions.end()));
+    EXPECT_EQ(fractions.back(), 1.0);
+  }
 }
 
 TEST(unit_denoise, threads_do_not_change_a_bit) {
