@@ -47,7 +47,8 @@ Library open_library() {
   Library library;
   void* handle = dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);  // stays open until the process ends
   if (handle == nullptr) {
-    library.error = fmt::format("{} is not found", kLibrary);
+    const char* why = dlerror();
+    library.error = why != nullptr ? why : fmt::format("{} is not found", kLibrary);
     return library;
   }
   std::string& error = library.error;

@@ -14,9 +14,9 @@ namespace {
 
 // Chosen by the error of 16 samples against converged pictures of a helmet, a sofa, a candle in a glass and a Cornell
 // box.
-constexpr int kRadius = 8;                 // of a window, pixels
-constexpr int kStride = 4;                 // between the middles of windows
-constexpr float kLightTolerance = 0.8f;    // standard deviations that pixels of the same light are apart
+constexpr int kRadius = 12;                // of a window, pixels
+constexpr int kStride = 6;                 // between the middles of windows
+constexpr float kLightTolerance = 1.2f;    // standard deviations that pixels of the same light are apart
 constexpr float kFeatureTolerance = 0.6f;  // the same of normal and albedo
 constexpr float kLeastFeatureVariance = 0.01f;
 constexpr float kLeastAlbedo = 0.02f;    // that light is divided by
@@ -133,7 +133,7 @@ Planes make_planes(const Film& film) {
       const std::size_t k = 3 * i + c;
       const float albedo = std::max(f.albedo.pixels[k], kLeastAlbedo);
       s.albedo[c][i] = albedo;
-      s.light[c][i] = (film.beauty.pixels[4 * i + c] - f.seen.pixels[k]) / albedo;
+      s.light[c][i] = (film.beauty.pixels[4 * i + c] - f.seen.pixels[4 * i + c]) / albedo;
       variance[c][i] = f.variance.pixels[k] / (albedo * albedo);
       s.features[c][i] = f.normal.pixels[k];
       s.features[3 + c][i] = f.albedo.pixels[k];
@@ -147,6 +147,65 @@ Planes make_planes(const Film& film) {
     for (float& v : s.mean_variance[c]) v /= 9.0f;
   }
   return s;
+}
+
+/// Luminance of what is seen directly, and its variance.
+struct Seen {
+  Plane level, variance;
+};
+
+/// How alike what two pixels see is, pixel by pixel of the 3×3 around them, over what their variances make likely: 0
+/// where that is all.
+float apart(const Seen& seen, ivec2 size, ivec2 p, ivec2 q) {
+  constexpr float kTolerance2 = 0.2f;
+  float sum = 0.0f, count = 0.0f;
+  for (int j = -1; j <= 1; ++j) {
+    for (int i = -1; i <= 1; ++i) {
+      const ivec2 a = p + ivec2(i, j), b = q + ivec2(i, j);
+      if (std::min(std::min(a.x, a.y), std::min(b.x, b.y)) < 0) continue;
+      if (std::max(a.x, b.x) >= size.x || std::max(a.y, b.y) >= size.y) continue;
+      const auto at = [&](ivec2 v) {
+        return static_cast<std::size_t>(v.y) * static_cast<std::size_t>(size.x) + static_cast<std::size_t>(v.x);
+      };
+      const float difference = seen.level[at(a)] - seen.level[at(b)];
+      const float va = seen.variance[at(a)], vb = seen.variance[at(b)];
+      sum += (difference * difference - (va + std::min(va, vb))) / (kTolerance2 * (va + vb) + 1e-12f);
+      ++count;
+    }
+  }
+  return std::max(sum / count, 0.0f);
+}
+
+/// Where chance decides in a pixel whether it sees a lamp or the background at all (edges out of focus or in motion),
+/// the mean of the light that is seen by pixels around that may see the same, given its variance: non-local means as in
+/// Rousselle et al. 2012, "Adaptive Rendering with Non-Local Means Filtering". Elsewhere it is left as it is.
+Image clean_seen(const Film& film) {
+  constexpr int kReach = 5;
+  const Image& light = film.features->seen;
+  const ivec2 size(film.width(), film.height());
+  const std::size_t n = light.pixels.size() / 4;
+  Seen seen{Plane(n), Plane(n)};
+  Image clean(size.x, size.y, 3);
+  for (std::size_t i = 0; i < n; ++i) {
+    seen.level[i] = luminance(vec3(light.pixels[4 * i], light.pixels[4 * i + 1], light.pixels[4 * i + 2]));
+    seen.variance[i] = light.pixels[4 * i + 3];
+  }
+  for_rows(size.y, [&](int y) {
+    for (int x = 0; x < size.x; ++x) {
+      clean.set_rgb(x, y, light.rgb(x, y));
+      const bool is_mixed = glm::length(film.features->normal.rgb(x, y)) > 0.0f;
+      if (!is_mixed || !(light.at(x, y)[3] > 0.0f)) continue;
+      vec3 sum(0.0f);
+      float total = 0.0f;
+      for_square(size, {x, y}, kReach, [&](int i, int j) {
+        const float w = std::exp(-apart(seen, size, {x, y}, {i, j}));
+        total += w;
+        sum += w * light.rgb(i, j);
+      });
+      clean.set_rgb(x, y, sum / total);
+    }
+  });
+  return clean;
 }
 
 /// How much pixel `q` counts in the window around `p`: how likely both have the same light, and the same surface.
@@ -272,7 +331,7 @@ void keep_what_is_certain(const Film& film, Image& clean) {
     for (std::size_t c = 0; c < 3; ++c) {
       const float d = film.beauty.pixels[4 * i + c] - clean.pixels[3 * i + c];
       difference[i] += d * d;
-      noise[i] += film.features->variance.pixels[3 * i + c];
+      noise[i] += film.features->variance.pixels[3 * i + c] + film.features->seen.pixels[4 * i + 3];
     }
   }
   difference = mean_of_nine(difference, clean.width, clean.height);
@@ -292,6 +351,7 @@ void keep_what_is_certain(const Film& film, Image& clean) {
 
 Image regress(const Film& film, const Job& job) {
   const Planes s = make_planes(film);
+  const Image seen = clean_seen(film);
   const Middles columns{s.width}, rows{s.height};
   const auto index = [&](int column, int row) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns.count()) + static_cast<std::size_t>(column);
@@ -330,7 +390,7 @@ Image regress(const Film& film, const Job& job) {
       }
       const vec3 albedo(s.albedo[0][q], s.albedo[1][q], s.albedo[2][q]);
       const vec3 light = within_neighbours(s, {x, y}, sum / total);
-      clean.set_rgb(x, y, light * albedo + film.features->seen.rgb(x, y));
+      clean.set_rgb(x, y, light * albedo + seen.rgb(x, y));
     }
   });
   keep_what_is_certain(film, clean);

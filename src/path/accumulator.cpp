@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "base/parallel.h"
 
@@ -10,8 +11,34 @@ namespace candela::path {
 
 namespace {
 
+/// Of few samples a pixel's own variance says little, of one that has met no light yet nothing: there it is at least
+/// the mean of the pixels around.
+void raise_variance(const std::vector<std::uint8_t>& has_few, Image& variance) {
+  constexpr int kRadius = 2;
+  const Image before = variance;
+  parallel_for(0, static_cast<std::size_t>(variance.height), 4, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < variance.width; ++x) {
+        if (has_few[static_cast<std::size_t>(y) * static_cast<std::size_t>(variance.width) +
+                    static_cast<std::size_t>(x)] == 0) {
+          continue;
+        }
+        vec3 sum(0.0f);
+        float count = 0.0f;
+        for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, variance.height - 1); ++j) {
+          for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, variance.width - 1); ++i) {
+            sum += before.rgb(i, j);
+            ++count;
+          }
+        }
+        variance.set_rgb(x, y, glm::max(before.rgb(x, y), sum / count));
+      }
+    }
+  });
+}
+
 /// Sobol' points do better than independent samples, by how much the difference of two halves says; of one pixel it
-/// says little, of the pixels around it enough.
+/// says little, of the pixels around it enough. Negative: of a pixel that has no second half.
 void scale_variance(const Image& halves, Image& variance) {
   constexpr int kRadius = 3;
   const Image before = variance;
@@ -21,13 +48,13 @@ void scale_variance(const Image& halves, Image& variance) {
         double found = 0.0, told = 0.0;
         for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, variance.height - 1); ++j) {
           for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, variance.width - 1); ++i) {
-            if (halves.at(i, j)[0] <= 0.0f) continue;
-            const vec3 v = before.rgb(i, j);
+            if (halves.at(i, j)[0] < 0.0f) continue;
             found += static_cast<double>(halves.at(i, j)[0]);
-            told += static_cast<double>(v.x + v.y + v.z);
+            for (const float v : before.at(i, j)) told += static_cast<double>(v);
           }
         }
-        if (told > 0.0) variance.set_rgb(x, y, before.rgb(x, y) * static_cast<float>(std::min(found / told, 1.0)));
+        if (!(told > 0.0)) continue;
+        for (float& v : variance.at(x, y)) v *= static_cast<float>(std::min(found / told, 1.0));
       }
     }
   });
@@ -79,10 +106,13 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
     f.albedo2 += glm::dot(sample.feature_albedo, sample.feature_albedo);
     f.normal2 += glm::dot(sample.feature_normal, sample.feature_normal);
     f.seen += sample.seen;
+    const float seen = luminance(sample.seen);
+    f.seen2 += seen * seen;
     const vec3 other = sample.radiance - sample.seen;
     f.other2 += other * other;
     if (((p.count - 1) & kHalf) == 0) {
       f.other_half += other;
+      f.seen_half += seen;
       ++f.count_half;
     }
   }
@@ -186,9 +216,11 @@ std::vector<float> Accumulator::shown_errors(const DevelopSettings& develop) con
 }
 
 void Accumulator::resolve_features(DenoisingFeatures& features) const {
-  features.albedo = features.normal = features.seen = features.variance = Image(width_, height_, 3);
+  features.albedo = features.normal = features.variance = Image(width_, height_, 3);
+  features.seen = Image(width_, height_, 4);
   features.albedo_variance = features.normal_variance = Image(width_, height_, 1);
-  Image halves(width_, height_, 1);  // squared error of the mean by the difference of two halves
+  Image halves(width_, height_, 1), halves_seen(width_, height_, 1);  // squared error of the mean by two halves
+  Image seen_variance(width_, height_, 1);
   for (std::size_t i = 0; i < features_.size(); ++i) {
     const Features& f = features_[i];
     const Pixel& p = pixels_[i];
@@ -201,20 +233,32 @@ void Accumulator::resolve_features(DenoisingFeatures& features) const {
       const auto k = 3 * i + static_cast<std::size_t>(c);
       features.albedo.pixels[k] = albedo[c];
       features.normal.pixels[k] = normal[c];
-      features.seen.pixels[k] = seen[c];
+      features.seen.pixels[4 * i + static_cast<std::size_t>(c)] = seen[c];
       // One sample has no variance that one could see: it is as large as what it measures.
       features.variance.pixels[k] =
           p.count > 1 ? variance_of_mean(other[c] * other[c], f.other2[c]) : other[c] * other[c];
     }
     features.albedo_variance.pixels[i] = variance_of_mean(glm::dot(albedo, albedo), f.albedo2) / 3.0f;
     features.normal_variance.pixels[i] = variance_of_mean(glm::dot(normal, normal), f.normal2) / 3.0f;
+    const float level = luminance(seen);
+    seen_variance.pixels[i] = variance_of_mean(level * level, f.seen2);
     const auto first = static_cast<float>(f.count_half), second = static_cast<float>(p.count - f.count_half);
+    halves.pixels[i] = halves_seen.pixels[i] = -1.0f;
     if (second < 1.0f) continue;
     // Of two means that are apart by d the weighted mean errs by d² ab/(a + b)².
     const vec3 apart = f.other_half / first - (other * n - f.other_half) / second;
     halves.pixels[i] = glm::dot(apart, apart) * first * second / (n * n);
+    const float seen_apart = f.seen_half / first - (level * n - f.seen_half) / second;
+    halves_seen.pixels[i] = seen_apart * seen_apart * first * second / (n * n);
   }
   scale_variance(halves, features.variance);
+  constexpr std::uint32_t kFew = 4;
+  std::vector<std::uint8_t> has_few(pixels_.size());
+  std::transform(pixels_.begin(), pixels_.end(), has_few.begin(),
+                 [](const Pixel& p) { return p.count < kFew ? 1 : 0; });
+  raise_variance(has_few, features.variance);
+  scale_variance(halves_seen, seen_variance);
+  for (std::size_t i = 0; i < features_.size(); ++i) features.seen.pixels[4 * i + 3] = seen_variance.pixels[i];
 }
 
 void Accumulator::resolve_beauty(Film& film) const {

@@ -57,6 +57,7 @@ class Accumulator {
   struct Features {
     vec3 albedo{0.0f}, normal{0.0f}, seen{0.0f};
     float albedo2 = 0.0f, normal2 = 0.0f;  ///< sums over samples and channels of squares
+    float seen2 = 0.0f, seen_half = 0.0f;  ///< of the luminance of what is seen, as below
     vec3 other2{0.0f};                     ///< of what is not seen
     vec3 other_half{0.0f};                 ///< and its sum over those samples whose number has not the bit kHalf
     std::uint32_t count_half = 0;

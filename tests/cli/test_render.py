@@ -270,6 +270,31 @@ class Statistics(CliTest):
             self.assertIn("the built-in regression denoises", done.err)
             self.fails(*SPHERES, *TINY, "-o", "b.png", "--denoise=oidn", "--strict", says="Open Image Denoise")
 
+    def test_a_library_of_that_name_that_is_another_is_replaced_with_a_warning(self):
+        with open("/proc/self/maps", encoding="utf-8") as maps:
+            others = [line.split()[-1] for line in maps if re.search(r"/libc\.so|/libc-", line)]
+        if not others:
+            self.skipTest("no library to take for it")
+        (self.folder / "lib").mkdir()
+        name = self.folder / "lib/libOpenImageDenoise.so.2"
+        name.symlink_to(others[0])
+        environment = {**os.environ, "LD_LIBRARY_PATH": str(name.parent)}
+        done = self.run_candela(*SPHERES, *TINY, "-o", "a.png", "--denoise=oidn", env=environment)
+        self.assertEqual(done.code, 0, done.err)
+        self.assertIn("has no function oidnNewDevice; the built-in regression denoises", done.err)
+        name.unlink()
+        name.write_text("no library\n")
+        done = self.run_candela(*SPHERES, *TINY, "-o", "b.png", "--denoise=oidn", env=environment)
+        self.assertEqual(done.code, 0, done.err)
+        self.assertIn("the built-in regression denoises", done.err)
+
+    def test_one_pixel_and_a_transparent_background_are_denoised(self):
+        self.succeeds(*SPHERES, "--size", "1x1", "--spp", "2", "-o", "one.png", "--denoise")
+        for name, more in (("a.png", ()), ("b.png", ("--denoise",))):
+            self.succeeds(*SPHERES, *TINY, "-o", name, "--background", "transparent", "--orbit", "0,60,3", *more)
+        alpha = lambda name: [row[3::4] for row in png_pixels(self.folder / name)[3]]
+        self.assertEqual(alpha("a.png"), alpha("b.png"))
+
     def test_denoise_is_refused_where_it_cannot_act(self):
         for options, why in (
             (("--denoise=median",), 'unknown way to denoise "median"'),
