@@ -321,6 +321,8 @@ class Statistics(CliTest):
         self.assertEqual(self.spp("--quality", "draft", "--denoise=none"), (16, False))
         self.assertEqual(self.spp("--quality", "good", "--noise", "0.9")[0], 16)
         self.assertEqual(self.spp("--quality", "draft", "--integrator", "minimal", "--denoise=none"), (16, False))
+
+    def test_a_quality_that_cannot_be_had_is_refused(self):
         self.refuses(*SPHERES, "--quality", "draft", "--integrator", "minimal", says="--quality: .*--integrator full")
         self.refuses(*SPHERES, "--quality", "best", says="--quality: unknown quality.*draft, good, final")
 
