@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -149,14 +150,14 @@ Planes make_planes(const Film& film) {
   return s;
 }
 
-/// Luminance of what is seen directly, and its variance.
-struct Seen {
+/// What chance decides of a pixel, as luminance, and its variance.
+struct Chance {
   Plane level, variance;
 };
 
-/// How alike what two pixels see is, pixel by pixel of the 3×3 around them, over what their variances make likely: 0
-/// where that is all.
-float apart(const Seen& seen, ivec2 size, ivec2 p, ivec2 q) {
+/// How unlike two pixels are, pixel by pixel of the 3×3 around them, over what their variances make likely: 0 where
+/// that is all.
+float apart(const Chance& chance, ivec2 size, ivec2 p, ivec2 q) {
   constexpr float kTolerance2 = 0.2f;
   float sum = 0.0f, count = 0.0f;
   for (int j = -1; j <= 1; ++j) {
@@ -167,8 +168,8 @@ float apart(const Seen& seen, ivec2 size, ivec2 p, ivec2 q) {
       const auto at = [&](ivec2 v) {
         return static_cast<std::size_t>(v.y) * static_cast<std::size_t>(size.x) + static_cast<std::size_t>(v.x);
       };
-      const float difference = seen.level[at(a)] - seen.level[at(b)];
-      const float va = seen.variance[at(a)], vb = seen.variance[at(b)];
+      const float difference = chance.level[at(a)] - chance.level[at(b)];
+      const float va = chance.variance[at(a)], vb = chance.variance[at(b)];
       sum += (difference * difference - (va + std::min(va, vb))) / (kTolerance2 * (va + vb) + 1e-12f);
       ++count;
     }
@@ -176,36 +177,53 @@ float apart(const Seen& seen, ivec2 size, ivec2 p, ivec2 q) {
   return std::max(sum / count, 0.0f);
 }
 
-/// Where chance decides in a pixel whether it sees a lamp or the background at all (edges out of focus or in motion),
-/// the mean of the light that is seen by pixels around that may see the same, given its variance: non-local means as in
-/// Rousselle et al. 2012, "Adaptive Rendering with Non-Local Means Filtering". Elsewhere it is left as it is.
-Image clean_seen(const Film& film) {
+/// Where `is_by_chance(x, y)`, the mean of pixels around that may be the same, given their variance: non-local means as
+/// in Rousselle et al. 2012, "Adaptive Rendering with Non-Local Means Filtering". Elsewhere `of` as it is.
+template <class IsByChance>
+Image without_chance(const Image& of, Plane variance, const IsByChance& is_by_chance) {
   constexpr int kReach = 5;
-  const Image& light = film.features->seen;
-  const ivec2 size(film.width(), film.height());
-  const std::size_t n = light.pixels.size() / 4;
-  Seen seen{Plane(n), Plane(n)};
+  const ivec2 size(of.width, of.height);
+  Chance chance{Plane(variance.size()), std::move(variance)};
   Image clean(size.x, size.y, 3);
-  for (std::size_t i = 0; i < n; ++i) {
-    seen.level[i] = luminance(vec3(light.pixels[4 * i], light.pixels[4 * i + 1], light.pixels[4 * i + 2]));
-    seen.variance[i] = light.pixels[4 * i + 3];
+  std::size_t k = 0;
+  for (int y = 0; y < size.y; ++y) {
+    for (int x = 0; x < size.x; ++x) chance.level[k++] = luminance(of.rgb(x, y));
   }
   for_rows(size.y, [&](int y) {
     for (int x = 0; x < size.x; ++x) {
-      clean.set_rgb(x, y, light.rgb(x, y));
-      const bool is_mixed = glm::length(film.features->normal.rgb(x, y)) > 0.0f;
-      if (!is_mixed || !(light.at(x, y)[3] > 0.0f)) continue;
+      clean.set_rgb(x, y, of.rgb(x, y));
+      if (!is_by_chance(x, y)) continue;
       vec3 sum(0.0f);
       float total = 0.0f;
       for_square(size, {x, y}, kReach, [&](int i, int j) {
-        const float w = std::exp(-apart(seen, size, {x, y}, {i, j}));
+        const float w = std::exp(-apart(chance, size, {x, y}, {i, j}));
         total += w;
-        sum += w * light.rgb(i, j);
+        sum += w * of.rgb(i, j);
       });
       clean.set_rgb(x, y, sum / total);
     }
   });
   return clean;
+}
+
+/// Light that is seen directly, where chance decides whether a pixel sees a lamp or the background at all: edges out of
+/// focus or in motion.
+Image clean_seen(const Film& film) {
+  const DenoisingFeatures& f = *film.features;
+  Plane variance(f.seen.pixels.size() / 4);
+  for (std::size_t i = 0; i < variance.size(); ++i) variance[i] = f.seen.pixels[4 * i + 3];
+  return without_chance(f.seen, std::move(variance), [&](int x, int y) {
+    return glm::length(f.normal.rgb(x, y)) > 0.0f && f.seen.at(x, y)[3] > 0.0f;
+  });
+}
+
+/// Albedo that light is multiplied by in the end, where chance decides between mirror and clear glass and what is
+/// beyond is the background: light over albedo has no noise there, the albedo has it all.
+Image clean_albedo(const Film& film) {
+  const DenoisingFeatures& f = *film.features;
+  return without_chance(f.albedo, f.albedo_variance.pixels, [&](int x, int y) {
+    return glm::length(f.normal.rgb(x, y)) <= 0.0f && f.albedo_variance.at(x, y)[0] > 0.0f;
+  });
 }
 
 /// How much pixel `q` counts in the window around `p`: how likely both have the same light, and the same surface.
@@ -351,7 +369,7 @@ void keep_what_is_certain(const Film& film, Image& clean) {
 
 Image regress(const Film& film, const Job& job) {
   const Planes s = make_planes(film);
-  const Image seen = clean_seen(film);
+  const Image seen = clean_seen(film), albedos = clean_albedo(film);
   const Middles columns{s.width}, rows{s.height};
   const auto index = [&](int column, int row) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns.count()) + static_cast<std::size_t>(column);
@@ -388,7 +406,7 @@ Image regress(const Film& film, const Job& job) {
         sum = {own[0][0], own[1][0], own[2][0]};
         total = 1.0f;
       }
-      const vec3 albedo(s.albedo[0][q], s.albedo[1][q], s.albedo[2][q]);
+      const vec3 albedo = glm::max(albedos.rgb(x, y), kLeastAlbedo);
       const vec3 light = within_neighbours(s, {x, y}, sum / total);
       clean.set_rgb(x, y, light * albedo + seen.rgb(x, y));
     }
