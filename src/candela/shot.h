@@ -99,8 +99,8 @@ struct QualityInfo {
 /// All are denoised by what is built in. Chosen by the errors and seconds in docs/denoising.md.
 inline constexpr auto kQualities = std::to_array<QualityInfo>({
     {Quality::draft, "draft", 16, 0.0f, 1},
-    {Quality::good, "good", 256, 0.01f, 8},
-    {Quality::final, "final", 4096, 0.004f, 32},
+    {Quality::good, "good", 128, 0.02f, 8},
+    {Quality::final, "final", 2048, 0.005f, 32},
 });
 /// Throws Error that lists what there is.
 Quality parse_quality(std::string_view name);

@@ -17,6 +17,7 @@ namespace {
 // box.
 constexpr int kRadius = 12;                // of a window, pixels
 constexpr int kStride = 6;                 // between the middles of windows
+constexpr int kOwnRadius = 6;              // of the window of a pixel that has one of its own
 constexpr float kLightTolerance = 1.2f;    // standard deviations that pixels of the same light are apart
 constexpr float kFeatureTolerance = 0.6f;  // the same of normal and albedo
 constexpr float kLeastFeatureVariance = 0.01f;
@@ -277,9 +278,10 @@ void solve(Matrix& a, Coefficients& b) {
 
 using Row = std::array<float, kPadded>;
 
-float dot(const Row& a, const Row& b) {
+/// Of the first `n`, and of zeros up to a multiple of kLanes.
+float dot(const Row& a, const Row& b, std::size_t n) {
   std::array<float, kLanes> sums{};
-  for (std::size_t i = 0; i < kPadded; i += kLanes) {
+  for (std::size_t i = 0; i < n; i += kLanes) {
     for (std::size_t l = 0; l < kLanes; ++l) sums[l] += a[i + l] * b[i + l];
   }
   float sum = 0.0f;
@@ -287,14 +289,14 @@ float dot(const Row& a, const Row& b) {
   return sum;
 }
 
-Coefficients fit(const Planes& s, ivec2 middle) {
-  std::array<Row, kBasis> basis{};  // times the root of the weight
-  std::array<Row, 3> light{};
+Coefficients fit(const Planes& s, ivec2 middle, int reach) {
+  std::array<Row, kBasis> basis;  // times the root of the weight
+  std::array<Row, 3> light;
   std::array<float, 2> feature_noise{};
   float total = 0.0f;
   std::size_t n = 0;
   const std::size_t p = s.at(middle.x, middle.y);
-  for_square(s.size(), middle, kRadius, [&](int x, int y) {
+  for_square(s.size(), middle, reach, [&](int x, int y) {
     const std::size_t q = s.at(x, y);
     const float w = weight(s, p, q);
     const float root = std::sqrt(w);
@@ -305,11 +307,15 @@ Coefficients fit(const Planes& s, ivec2 middle) {
     for (std::size_t f = 0; f < 2; ++f) feature_noise[f] += w * s.feature_variance[f][q];
     ++n;
   });
+  for (std::size_t i = n; i % kLanes != 0; ++i) {
+    for (Row& row : basis) row[i] = 0.0f;
+    for (Row& row : light) row[i] = 0.0f;
+  }
   Matrix a{};
   Coefficients b{};
   for (std::size_t i = 0; i < kBasis; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) a[i][j] = dot(basis[i], basis[j]);
-    for (std::size_t c = 0; c < 3; ++c) b[c][i] = dot(basis[i], light[c]);
+    for (std::size_t j = 0; j <= i; ++j) a[i][j] = dot(basis[i], basis[j], n);
+    for (std::size_t c = 0; c < 3; ++c) b[c][i] = dot(basis[i], light[c], n);
     if (i > 0) a[i][i] += kRidge * total;
     if (i >= 3) a[i][i] += feature_noise[(i - 3) / 3];
   }
@@ -377,7 +383,7 @@ Image regress(const Film& film, const Job& job) {
   std::vector<Coefficients> fits(index(0, rows.count()));
   for_rows(rows.count(), job, 0.1, 0.6, [&](int row) {
     for (int column = 0; column < columns.count(); ++column)
-      fits[index(column, row)] = fit(s, {columns[column], rows[row]});
+      fits[index(column, row)] = fit(s, {columns[column], rows[row]}, kRadius);
   });
 
   Image clean(s.width, s.height, 3);
@@ -402,7 +408,7 @@ Image regress(const Film& film, const Job& job) {
       }
       // What no window speaks for, as a texel of a colour that no window's middle has, has a window of its own.
       if (total < kLeastWeight) {
-        const Coefficients own = fit(s, {x, y});
+        const Coefficients own = fit(s, {x, y}, kOwnRadius);
         sum = {own[0][0], own[1][0], own[2][0]};
         total = 1.0f;
       }

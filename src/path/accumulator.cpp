@@ -78,7 +78,7 @@ Accumulator::Accumulator(const Settings& settings, bool has_through)
 std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
   const bool may_have_through = settings.background == Background::transparent && !settings.environment_in_glass;
   // Judging noise takes what is metered, with copies to sort, and the errors.
-  constexpr std::size_t kJudging = sizeof(float) * (1 + 4 + 3 + 1);
+  constexpr std::size_t kJudging = sizeof(float) * (1 + 8 + 3 + 1);
   return sizeof(Pixel) + (settings.has_features ? sizeof(Features) : 0) + (settings.noise ? kJudging : 0) +
          (may_have_through ? sizeof(Through) + 4 * sizeof(float) : 0) +
          sizeof(vec3) * count_mean_layers(settings.layers);
@@ -273,11 +273,6 @@ void Accumulator::resolve_beauty(Film& film) const {
     out[2] = static_cast<float>(p.b * scale);
     out[3] = static_cast<float>(static_cast<double>(p.alpha) * scale);
   }
-}
-
-void Accumulator::resolve(Film& film, bool wants_features) const {
-  if (wants_features && !features_.empty()) resolve_features(film.features.emplace());
-  resolve_beauty(film);
   if (!through_.empty()) {
     Image through(width_, height_, 4);
     for (std::size_t i = 0; i < through_.size(); ++i) {
@@ -288,6 +283,11 @@ void Accumulator::resolve(Film& film, bool wants_features) const {
     }
     set_through(std::move(through), film);
   }
+}
+
+void Accumulator::resolve(Film& film, bool wants_features) const {
+  if (wants_features && !features_.empty()) resolve_features(film.features.emplace());
+  resolve_beauty(film);
   for (std::size_t k = 0; k < mean_layers_.size(); ++k) {
     const Layer layer = mean_layers_[k];
     const int channels = layer_channels(layer);

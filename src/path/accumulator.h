@@ -48,7 +48,7 @@ class Accumulator {
   float exposure(const DevelopSettings& develop) const;
   float gain_of_points(std::size_t i) const;
   float gain_of_block(ivec2 corner, ivec2 end) const;
-  void resolve_beauty(Film& film) const;
+  void resolve_beauty(Film& film) const;  ///< and what shows through it
   const Pixel& pixel(int x, int y) const { return pixels_[index(x, y)]; }
 
   int width_;
