@@ -443,10 +443,9 @@ TEST_F(law_raster_blended, from_inside_a_body_absorbs_over_the_way_to_its_bounda
     mirrored.add(cube, glass, scaling({-1, 1, 1}));
     expect_near(middle(mirrored), metre, 0.01, "a mirrored cube");
     SceneBuilder apart;  // a node for each face
-    const Primitive whole = cube;
-    for (std::size_t i = 0; i < whole.triangles.size(); ++i) {
-      Primitive face = whole;
-      face.triangles = {whole.triangles[i]};
+    for (std::size_t i = 0; i < cube.triangles.size(); ++i) {
+      Primitive face = cube;
+      face.triangles = {cube.triangles[i]};
       apart.add(face, glass);
     }
     expect_near(middle(apart), metre, 0.01, "a cube of many nodes");

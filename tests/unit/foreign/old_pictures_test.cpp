@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 
 #include "base/error.h"
 #include "unit/foreign/old_picture_files.h"
@@ -21,7 +22,7 @@ using Texel = std::array<std::uint8_t, 4>;
 
 Texel texel(const TextureImage& image, int x, int y) {
   Texel result{};
-  std::copy_n(image.pixels.begin() + (y * image.width + x) * 4, 4, result.begin());
+  std::copy_n(image.pixels.begin() + std::ptrdiff_t{4} * (y * image.width + x), 4, result.begin());
   return result;
 }
 
@@ -71,7 +72,8 @@ TEST(unit_foreign_old_pictures, stb_image_sees_the_same) {
     ASSERT_TRUE(image);
     for (int i = 0; i < width * height && !is_beyond; ++i) {
       const Texel c = texel(*image, i % width, i / width);
-      ASSERT_TRUE(std::equal(pixels + i * 3, pixels + i * 3 + 3, c.begin())) << compared << ": " << i;
+      ASSERT_TRUE(std::equal(pixels + std::ptrdiff_t{3} * i, pixels + std::ptrdiff_t{3} * (i + 1), c.begin()))
+          << compared << ": " << i;
     }
     compared += is_beyond ? 0 : 1;
     stbi_image_free(pixels);

@@ -29,7 +29,7 @@ std::string told(const std::function<std::vector<std::byte>()>& work, const Sand
 
 TEST(unit_foreign_sandbox, hands_back_what_the_work_made) {
   const std::vector<std::byte> large(3 << 20, std::byte{7});
-  EXPECT_EQ(run_apart([&] { return large; }, kLimits, "file"), large);
+  EXPECT_EQ(run_apart([&] { return std::vector<std::byte>(large); }, kLimits, "file"), large);
   EXPECT_TRUE(run_apart([] { return std::vector<std::byte>(); }, kLimits, "file").empty());
 }
 

@@ -35,6 +35,7 @@ struct Baked {
 
 std::vector<std::string> names(const WrittenFiles& files) {
   std::vector<std::string> result;
+  result.reserve(files.paths.size());
   for (const auto& path : files.paths) result.push_back(path.filename().string());
   std::sort(result.begin(), result.end());
   return result;

@@ -365,7 +365,7 @@ unsigned subset_of(unsigned seed, unsigned subsets, unsigned x, unsigned y) {
     const unsigned digit = p >> 4 * i & 15u;
     steps[i] = digit * digit >> (i % 2 == 0 ? first : second);
   }
-  const auto value = [&](unsigned i, unsigned shift) {
+  const auto value = [&](std::size_t i, unsigned shift) {
     return (steps[2 * i] * 2 * x + steps[2 * i + 1] * 2 * y + (p >> shift)) & 63u;
   };
   const unsigned a = value(0, 14), b = value(1, 10), c = subsets == 3 ? value(2, 6) : 0;
@@ -452,7 +452,7 @@ Bytes astc_of_uastc(std::size_t mode, std::span<const std::byte> block) {
       return wide(r, pair[side]) + wide(r, pair[2 + side]) + wide(r, pair[4 + side]);
     };
     if (sum(1) >= sum(0)) continue;
-    for (unsigned c = 0; c < r.components; ++c) std::swap(pair[2 * c], pair[2 * c + 1]);
+    for (std::size_t c = 0; c < r.components; ++c) std::swap(pair[2 * c], pair[2 * c + 1]);
     for (std::size_t i = 0; i < weights.size(); ++i)
       if (subsets[i / (r.is_dual ? 2 : 1)] == subset) weights[i] = (1u << r.weight_bits) - 1 - weights[i];
   }

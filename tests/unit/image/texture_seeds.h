@@ -48,6 +48,7 @@ inline std::vector<std::vector<std::byte>> texture_seeds() {
 /// The same with texels in blocks: universal formats and ASTC.
 inline std::vector<std::vector<std::byte>> block_seeds() {
   std::vector<std::vector<std::byte>> seeds;
+  seeds.reserve(std::size(kBasisFiles));
   for (const char* name : kBasisFiles) seeds.push_back(basis_file(name));
   // ASTC of plain colours needs no encoder.
   for (const std::uint32_t vk_format : {157u, 184u, 1000066000u}) {
