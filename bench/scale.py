@@ -156,10 +156,11 @@ def make_textured(path):
     model = Model()
     document = model.document
     document["materials"], document["images"], document["textures"] = [], [], []
+    colors = [(37 * i % 256) << 16 | (101 * i % 256) << 8 | (59 * i % 256) for i in range(8)]
+    files = [png(TEXTURE_SIDE, color, color ^ 0x7F7F7F) for color in colors]
     for i in range(TEXTURES):
         name = f"texture_{i}.png"
-        color = (37 * i % 256) << 16 | (101 * i % 256) << 8 | (59 * i % 256)
-        (path.parent / name).write_bytes(png(TEXTURE_SIDE, color, color ^ 0x7F7F7F))
+        (path.parent / name).write_bytes(files[i % len(files)])
         document["images"].append({"uri": name})
         document["textures"].append({"source": i})
         document["materials"].append({"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}})
@@ -193,6 +194,7 @@ def main():
     parser.add_argument("candela", nargs="+")
     parser.add_argument("--only", default="")
     parser.add_argument("--turns", type=int, default=TURNS)
+    parser.add_argument("--verbs", nargs="+", default=["info", "path"], help="of info, path and raster, which a driver without a GPU takes minutes for")
     options = parser.parse_args()
     folder = options.folder
     folder.mkdir(parents=True, exist_ok=True)
@@ -216,6 +218,8 @@ def main():
         commands = {"info": ["info", path], "path": ["render", path, *small, *limit],
                     "raster": ["render", path, "--engine", "raster", *small, *limit]}  # fmt: skip
         for verb, command in commands.items():
+            if verb not in options.verbs:
+                continue
             runs = {program: [] for program in options.candela}
             for _ in range(options.turns):
                 for program in options.candela:

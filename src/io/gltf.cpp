@@ -233,6 +233,7 @@ class Loader {
   MaterialSet materials_;
   std::vector<Reduction> reductions_;                    ///< by image
   std::vector<std::vector<std::size_t>> image_batches_;  ///< of images to be decoded, one after the other
+  bool is_animated_ = false;                             ///< the file: there may be other moments
   bool is_posed_ = false;                                ///< by an animation, which may hide things by a scale of 0
   Scene scene_;
 };
@@ -330,8 +331,8 @@ void Loader::collect_materials(const MovedDocument& moved, Kept* kept) {
 Mesh Loader::find_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins,
                        Kept* kept) {
   const auto& [mesh, weights, skin] = key;
-  // What an animation morphs would be kept for every moment of it; of a scene at rest there is seldom another.
-  if (kept == nullptr || !is_posed_ || skin || !weights.empty()) return read_mesh(reader, key, skins);
+  // What an animation morphs would be kept for every moment of it.
+  if (kept == nullptr || !is_animated_ || skin || !weights.empty()) return read_mesh(reader, key, skins);
   std::vector<VertexNeeds> needs = reader.needs(root_.at("meshes")[mesh]);
   const auto found = kept->meshes.find(key);
   if (found != kept->meshes.end() && found->second.needs == needs) return found->second.mesh;
@@ -366,8 +367,8 @@ void Loader::lose_image(std::size_t image, const Error& cause) {
 
 /// Whether threads may share what the meshes' accessors lie in.
 bool Loader::prepare_meshes() {
-  // What poses leave to the next is read one by one.
-  if (is_posed_ || mesh_of_key_.size() < 2) return false;
+  // What moments leave to each other is read one by one.
+  if (is_animated_ || mesh_of_key_.size() < 2) return false;
   try {
     for (const auto& [key, index] : mesh_of_key_) {
       if (outlines_.contains(index)) continue;
@@ -688,6 +689,7 @@ Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* 
   check_extensions(root_, info, options_.refuse_unknown_required, warnings_);
   variant_ = find_variant(root_, info, options_.variant);
   is_posed_ = pose.has_value();
+  is_animated_ = !info.animations.empty();
   check_channels(root_, document_.json(), warnings_);
   std::vector<AnimatedMoment> moments;
   for (const std::size_t index : pose ? find_animations(root_, pose->animation) : std::vector<std::size_t>()) {

@@ -124,7 +124,8 @@ Scene load_gltf(std::span<const std::byte> bytes, const std::filesystem::path& b
 Scene load_gltf(std::span<const std::byte> bytes, const std::filesystem::path& base_folder, Diagnostics& diagnostics,
                 const LoadOptions& options, FileInfo* info = nullptr);
 
-/// A file kept open: its scene at any moment. What does not move is decoded once; meshes are kept between poses alone.
+/// A file kept open: its scene at any moment. What does not move is read and decoded once, meshes of a file
+/// without animations for each scene.
 class GltfFile {
  public:
   /// As load_gltf(); says in `info` what is known before the scene is read.

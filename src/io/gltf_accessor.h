@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/large_pages.h"
 #include "io/gltf_document.h"
 #include "io/gltf_warnings.h"
 #include "math/types.h"
@@ -66,7 +67,8 @@ class AccessorReader {
   std::vector<V> read_as(const Accessor& accessor, const Selection& selection = std::nullopt) {
     const std::size_t count = selection ? selection->size() : accessor.count;
     charge(std::uint64_t{count} * sizeof(V), accessor.json);
-    std::vector<V> result(count);
+    std::vector<V> result;
+    resize_large(result, count);
     read(accessor, selection, reinterpret_cast<float*>(result.data()));
     return result;
   }

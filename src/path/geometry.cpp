@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/large_pages.h"
 #include "base/parallel.h"
 #include "math/hash.h"
 #include "path/bodies.h"
@@ -196,7 +197,7 @@ std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& m
     if (set > 1 && !uvs.empty()) mesh->more_uvs.emplace_back(static_cast<int>(set), uvs);
   }
   mesh->colors = primitive.colors;
-  mesh->vertices.resize(primitive.positions.size());
+  resize_large(mesh->vertices, primitive.positions.size());
   fill_vertices(primitive, to_world, mesh->vertices);
   if (!material.needs_tangents) return mesh;
   const bool is_turned = to_world != nullptr && mat3(to_world->world_from_object) != mat3(1.0f);
