@@ -1,7 +1,9 @@
 // denoise_error REFERENCE.exr SPP SCENE [ENV]: mean FLIP at the reference's exposure, and relMSE without the worst 0.1
-// %, of a picture with SPP samples and of the same denoised by each method that is here, with its seconds.
+// %, of a picture with SPP samples and of the same denoised by each method that is here, with its seconds. And how much
+// a still picture flickers: mean FLIP between two that have other seeds.
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -35,10 +37,14 @@ int main(int argc, char** argv) try {
   if (argc > 4) shot.environment = argv[4];
   shot.size = {reference.width, reference.height};
   shot.traced.samples = std::atoi(argv[2]);
-  shot.traced.seed = 77;
   shot.traced.has_features = true;
-  candela::Film film;
-  candela::Take(shot).render([&](candela::TakenPicture picture) { film = std::move(picture.film); });
+  const auto traced = [&shot](std::uint32_t seed) {
+    candela::Film film;
+    shot.traced.seed = seed;
+    candela::Take(shot).render([&](candela::TakenPicture picture) { film = std::move(picture.film); });
+    return film;
+  };
+  const candela::Film film = traced(77), other = traced(78);
   candela::Film of_reference;
   of_reference.beauty = candela::Image(reference.width, reference.height, 4);
   for (int y = 0; y < reference.height; ++y) {
@@ -49,17 +55,19 @@ int main(int argc, char** argv) try {
   }
   const float exposure = candela::metered_exposure(of_reference);
   const candela::Image wanted = shown(reference, exposure);
-  const auto judge = [&](const char* name, const candela::Image& picture, double seconds) {
-    std::printf("%-12s FLIP %.5f  relMSE %.3e  %.3f s\n", name, candela::flip_mean(wanted, shown(picture, exposure)),
-                candela::rel_mse_trimmed(picture, reference), seconds);
+  const auto judge = [&](const char* name, const candela::Image& picture, const candela::Image& next, double seconds) {
+    std::printf("%-12s FLIP %.5f  relMSE %.3e  flicker %.5f  %.3f s\n", name,
+                candela::flip_mean(wanted, shown(picture, exposure)), candela::rel_mse_trimmed(picture, reference),
+                candela::flip_mean(shown(picture, exposure), shown(next, exposure)), seconds);
   };
-  judge("plain", film.beauty, 0.0);
+  judge("plain", film.beauty, other.beauty, 0.0);
   for (const auto method : {candela::denoise::Method::regression, candela::denoise::Method::oidn}) {
     if (!candela::denoise::why_not(method).empty()) continue;
-    candela::Film denoised = film;
+    candela::Film denoised = film, next = other;
+    candela::denoise::denoise(next, method);
     const candela::Stopwatch watch;
     candela::denoise::denoise(denoised, method);
-    judge(std::string(candela::denoise::method_name(method)).c_str(), denoised.beauty, watch.seconds());
+    judge(std::string(candela::denoise::method_name(method)).c_str(), denoised.beauty, next.beauty, watch.seconds());
   }
   return 0;
 } catch (const std::exception& error) {

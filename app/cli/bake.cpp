@@ -51,7 +51,7 @@ struct BakeOptions {
 };
 
 template <class T, std::size_t n>
-auto one_of(std::array<std::pair<std::string_view, T>, n> choices) {
+auto one_of(const std::array<std::pair<std::string_view, T>, n>& choices) {
   return [choices](const std::string& text) {
     std::string known;
     for (const auto& [name, value] : choices) {
@@ -163,7 +163,7 @@ void add_files(Command& command, BakeOptions& o) {
             "By which a cube map that is read is looked up, in terms of the world's: -x+y+z is as seen from inside")
       .group(group);
   command.texts("--diff", o.compared, "Compare two baked cube maps, level by level, and bake nothing")
-      .type("FILE")
+      .type("OLD NEW")
       .values(2)
       .group(group);
 }
@@ -281,7 +281,8 @@ void check_combinations(const Command& command, const BakeOptions& o) {
     refuse({"--samples"}, "only for --method fis or montecarlo and --irradiance riemann or montecarlo");
   }
   if (!o.tables) refuse({"--table-size"}, "only with --tables");
-  if (o.light.scene.empty()) refuse({"--spp", "--root", "--texture-memory", "--scene", "--unit", "--up"}, "only with --from-scene");
+  if (o.light.scene.empty())
+    refuse({"--spp", "--root", "--texture-memory", "--scene", "--unit", "--up"}, "only with --from-scene");
   if (!o.light.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
   if (o.format.kind == BakeFormat::Kind::gltf) refuse({"--sheen"}, "--format gltf has no levels of the sheen lobe");
   if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");
@@ -400,9 +401,8 @@ void run_bake(BakeOptions& o) {
 Verb add_bake(Command& command) {
   const auto options = std::make_shared<BakeOptions>();
   command.text("ENV", options->light.environment,
-               "An equirectangular .exr (:LAYER), .hdr or .png; a cube map: .ktx2, .ktx, .dds, a cross or strip, a "
-               "folder of "
-               "six faces or a pattern with %s; or studio, sky, sky:DEG, furnace");
+               "An equirectangular .exr (:LAYER), .hdr, .png, .jpg, .webp or .avif; a cube map: .ktx2, .ktx, .dds, a "
+               "cross or strip, a folder of six faces or a pattern with %s; or studio, sky, sky:DEG, furnace");
   command.text("-o,--output", options->output, "Folder to write to; it is made where it is absent").type("DIR");
   add_cube(command, *options);
   add_diffuse(command, *options);

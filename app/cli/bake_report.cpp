@@ -1,49 +1,14 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <span>
-
-#include "base/file.h"
 #include "cli/bake_output.h"
-#include "image/develop.h"
+#include "cli/html.h"
+#include "figures/markup.h"
 
 namespace candela::cli {
 
-namespace fs = std::filesystem;
-
 namespace {
 
-std::string base64(std::span<const std::byte> bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) { return k < bytes.size() ? static_cast<unsigned>(bytes[k]) : 0U; };
-    const unsigned word = byte(i) << 16U | byte(i + 1) << 8U | byte(i + 2);
-    for (unsigned k = 0; k < 4; ++k) {
-      text += i + k > bytes.size() ? '=' : kDigits[word >> (18U - 6U * k) & 63U];
-    }
-  }
-  return text;
-}
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '<')
-      safe += "&lt;";
-    else if (c == '>')
-      safe += "&gt;";
-    else if (c == '&')
-      safe += "&amp;";
-    else if (c == '"')
-      safe += "&quot;";
-    else
-      safe += c;
-  }
-  return safe;
-}
+using figures::escaped;
 
 /// Six faces beside each other, in the order of the file.
 Film strip(const CubeFaces& faces, float scale) {
@@ -59,14 +24,8 @@ Film strip(const CubeFaces& faces, float scale) {
   return film;
 }
 
-/// An <img> with the PNG in it. The file it goes through is beside nothing and is gone afterwards.
 std::string picture(const Film& film, float exposure, const std::string& what) {
-  const fs::path path = fs::temp_directory_path() / fmt::format("candela-report-{}.png", ::getpid());
-  write_png(path, develop(film, {.exposure = exposure}));
-  const std::vector<std::byte> bytes = read_file(path);
-  std::error_code ignored;
-  fs::remove(path, ignored);
-  return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", escaped(what), base64(bytes));
+  return image_element(develop(film, {.exposure = exposure}), what);
 }
 
 std::string error_cells(const ibl::LevelProof& proof) {

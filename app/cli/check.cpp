@@ -208,10 +208,7 @@ void run_check(const CheckOptions& options) {
 
 Verb add_check(Command& command) {
   const auto options = std::make_shared<CheckOptions>();
-  command
-      .texts("SCENE", options->names,
-             "Files (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf, a .zip with one of them), folders to "
-             "search for them, or demo:NAME")
+  command.texts("SCENE", options->names, "Files (" + kSceneFiles + "), folders to search for them, or demo:NAME")
       .required();
   add_root(command, options->root);
   add_scene_choice(command, options->scene);

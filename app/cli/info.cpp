@@ -105,8 +105,9 @@ void describe_scenes(const io::FileInfo& file, Json& json, Table& table) {
   json["scenes"] = file.scenes;
   if (file.scenes.size() < 2) return;
   std::vector<std::string> lines;
+  lines.reserve(file.scenes.size());
   for (std::size_t i = 0; i < file.scenes.size(); ++i) {
-    lines.push_back(or_unnamed(file.scenes[i]) + (i == file.scene ? ", the one told of here" : ""));
+    lines.push_back(or_unnamed(file.scenes[i]) + (i == file.scene ? ", the one described here" : ""));
   }
   list(table, "scenes", lines);
 }

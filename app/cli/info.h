@@ -58,6 +58,7 @@ void list(Table& table, const std::string& name, const std::vector<std::string>&
 template <class T>
 std::vector<int> numbers_of(const std::vector<T>& list) {
   std::vector<int> numbers;
+  numbers.reserve(list.size());
   for (std::size_t i = 0; i < list.size(); ++i) numbers.push_back(number_of(list, i));
   return numbers;
 }

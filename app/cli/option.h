@@ -34,6 +34,9 @@ inline auto count_within(int low, int high) {
   return [low, high](const std::string& text) { return parse_count(text, low, high); };
 }
 
+/// What a scene may be, for --help; `candela check` takes folders too.
+inline const std::string kSceneFiles = ".glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf, a .zip with one of them";
+
 /// --root, of every verb that reads a scene.
 template <class Path>
 Option add_root(Command& command, Path& into) {

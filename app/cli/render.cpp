@@ -38,7 +38,8 @@ void check_memory(const RenderOptions& o) {
 
 void warn_of_formats(const RenderOptions& o, Diagnostics& diagnostics) {
   for (const fs::path output : o.outputs) {
-    if (is_linear_format(output) && o.develop_given) {
+    // With --noise they say where samples go.
+    if (is_linear_format(output) && o.develop_given && !o.shot.traced.noise) {
       diagnostics.warn("--exposure, --tonemap and --bloom have no effect on linear radiance", output.string());
     }
     if (o.background.color && has_extension(output, ".hdr")) {

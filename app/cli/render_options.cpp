@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 
@@ -72,6 +73,9 @@ void add_picture(Command& command, RenderOptions& o) {
 
 void add_sampling(Command& command, RenderOptions& o) {
   const std::string group = "Sampling";
+  add_value(command, "--quality", "draft|good|final", o.quality, parse_quality,
+            "Samples, noise target and denoising by what is wanted; --spp, --noise and --denoise go before it [none]")
+      .group(group);
   const auto seed = [](const std::string& text) {
     return static_cast<std::uint32_t>(parse_count(text, 0, std::numeric_limits<int>::max()));
   };
@@ -82,12 +86,11 @@ void add_sampling(Command& command, RenderOptions& o) {
             "Stop after about this long: 500ms, 30s, 5min, 1.5h")
       .group(group);
   add_value(command, "--noise", "X", o.shot.traced.noise, number_within(1e-6f, 1.0f),
-            "Stop each pixel when its relative error is estimated below X, e.g. 0.01")
+            "Stop each pixel when its error as shown, from 0 black to 1 white, is estimated below X, e.g. 0.01")
       .group(group);
   command
-      .flag_or_value(
-          "--denoise", "[=regression|oidn]", o.denoiser,
-          "Take out the noise that is left, by what is built in or by Open Image Denoise where it is installed")
+      .flag_or_value("--denoise", "[=regression|oidn|none]", o.denoiser,
+                     "Take out the noise that is left, by what is built in or by Open Image Denoise where installed")
       .group(group);
   add_value(command, "--bounces", "N", o.shot.traced.bounces, count_within(0, 1024),
             "Scattering events along a path; 1 is direct light only [8]")
@@ -259,7 +262,7 @@ std::string footer() {
 Examples:
   candela render demo:materials -o materials.png
   candela render helmet.glb -o helmet.png -o helmet.exr --env sky --aov albedo,normal,depth
-  candela render helmet.glb -o close.png --orbit -30,15,0.6 --fov 30deg --f-number 4 --noise 0.01
+  candela render helmet.glb -o close.png --orbit -30,15,0.6 --fov 30deg --f-number 4 --noise 0.02
   candela render helmet.glb -o logo.png --background transparent --exposure 1.5 --tonemap agx
   candela render helmet.glb -o frame.png --engine raster
   candela render helmet.glb -o frames/%03d.png --engine raster --turntable 48
@@ -321,12 +324,36 @@ void check_outputs(RenderOptions& o) {
   if (!o.shot.layers.empty() && !any_exr) throw UsageError("--aov: only an .exr holds layers; add -o FILE.exr");
 }
 
-denoise::Method parse_denoiser(const std::string& text, path::Integrator integrator) {
+std::optional<denoise::Method> parse_denoiser(const std::string& text, path::Integrator integrator) {
+  if (text == "none") return std::nullopt;
   if (integrator != path::Integrator::full) throw UsageError("--denoise: only for --integrator full");
   try {
     return text == "true" ? denoise::Method::regression : denoise::parse_method(text);
   } catch (const Error& error) {
     throw UsageError("--denoise: " + std::string(error.what()));
+  }
+}
+
+/// Samples, noise target and denoiser. What is given stands before what a quality means: of samples and noise target
+/// either stands for both.
+void choose_sampling(const Command& command, RenderOptions& o) {
+  constexpr int kDefaultSamples = 128;
+  constexpr int kBlurFrames = 32;
+  Shot& shot = o.shot;
+  const std::optional<float> noise = shot.traced.noise;
+  o.noise_given = noise.has_value();
+  const bool is_open_ended = shot.traced.time_limit_s || noise;
+  const int default_frames = shot.shutter_s > 0.0 || shot.f_number ? kBlurFrames : 1;
+  if (o.quality) set_quality(*o.quality, shot);
+  if (!o.quality || o.samples || noise) {
+    shot.traced.samples = o.samples.value_or(is_open_ended ? kOpenEndedSamples : kDefaultSamples);
+    shot.traced.noise = noise;
+  }
+  shot.drawn.frames = o.samples.value_or(std::max(o.quality ? shot.drawn.frames : 1, default_frames));
+  if (command.has("--denoise")) shot.denoiser = parse_denoiser(o.denoiser, shot.traced.integrator);
+  if (shot.engine == Engine::raster) shot.denoiser.reset();
+  if (shot.denoiser && shot.traced.integrator != path::Integrator::full) {
+    throw UsageError("--quality: it denoises, only for --integrator full (or --denoise=none)");
   }
 }
 
@@ -371,9 +398,7 @@ std::string default_output(const RenderOptions& o, int attempt) {
 }
 
 void add_render_options(Command& command, RenderOptions& options) {
-  command
-      .texts("SCENE", options.scenes,
-             "A .glb, a .gltf, a .zip with one of them, or a built-in demo:NAME; several with -o DIR")
+  command.texts("SCENE", options.scenes, "A file (" + kSceneFiles + ") or a built-in demo:NAME; several with -o DIR")
       .required();
   add_picture(command, options);
   add_sampling(command, options);
@@ -391,19 +416,13 @@ void finish_options(const Command& command, RenderOptions& o) {
   }
   o.shot.scene = o.scenes.front();
   check_engine(command, o);
-  constexpr int kDefaultSamples = 128;
-  constexpr int kBlurFrames = 32;
-  const int default_frames = o.shot.shutter_s > 0.0 || o.shot.f_number ? kBlurFrames : 1;
-  const bool open_ended = o.shot.traced.time_limit_s || o.shot.traced.noise;
-  o.shot.traced.samples = o.samples.value_or(open_ended ? kOpenEndedSamples : kDefaultSamples);
-  o.shot.drawn.frames = o.samples.value_or(default_frames);
+  choose_sampling(command, o);
   if (o.keeps_cache) o.shot.drawn.cache = cache_folder();
   o.shot.background = o.background.kind;
   o.shot.background_color = o.background.color;
   if (command.has("--glass") && o.background.kind == Background::environment) {
     throw UsageError("--glass: without another --background glass shows the environment");
   }
-  if (command.has("--denoise")) o.shot.denoiser = parse_denoiser(o.denoiser, o.shot.traced.integrator);
   o.develop_given = command.has("--exposure") || command.has("--tonemap") || command.has("--bloom");
   if (o.shot.drawn.light_radius > 0.0f) o.shot.drawn.has_soft_shadows = true;
   o.shot.focuses_on_target = command.has("--focus-distance");

@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> outputs_of(const RenderOptions& o, std::size_t index) {
   std::vector<fs::path> paths;
+  paths.reserve(o.outputs.size());
   for (const std::string& output : o.outputs) {
     paths.emplace_back(o.shot.has_many_pictures() ? frame_name(output, static_cast<int>(index)) : output);
   }

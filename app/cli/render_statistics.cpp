@@ -38,7 +38,7 @@ nlohmann::ordered_json noise_json(const RenderOptions& o, const path::Statistics
 }  // namespace
 
 void warn_of_noise(const RenderOptions& o, const path::Statistics& s, Diagnostics& diagnostics) {
-  if (!s.noise || s.noise->share_above <= 0.0) return;
+  if (!o.noise_given || !s.noise || s.noise->share_above <= 0.0) return;
   const std::string why = s.interrupted ? "the interruption"
                           : s.timed_out
                               ? "--time"

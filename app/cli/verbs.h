@@ -16,6 +16,7 @@ Verb add_info(Command& command);
 Verb add_furnace(Command& command);
 Verb add_bake(Command& command);
 Verb add_check(Command& command);
+Verb add_diff(Command& command);
 Verb add_view(Command& command);
 Verb add_figures(Command& command);
 
@@ -31,6 +32,7 @@ inline constexpr auto kVerbs = std::to_array<VerbInfo>({
     {"furnace", "Measure what the materials do with light", add_furnace},
     {"bake", "Image-based light for engines, with its error measured", add_bake},
     {"check", "Judge materials, textures and meshes as a physicist would", add_check},
+    {"diff", "Measure how far one picture is from another", add_diff},
     {"view", "Show a scene in a window, drawn in real time", add_view},
     {"figures", "Make the figures of physically based shading, as pages to read", add_figures},
 });

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 Verb add_view(Command& command) {
   const auto options = std::make_shared<ViewOptions>();
-  command.text("SCENE", options->scene, "A .glb, a .gltf, a .zip with one of them, or a built-in demo:NAME").required();
+  command.text("SCENE", options->scene, "A file (" + kSceneFiles + ") or a built-in demo:NAME").required();
   add_value(
       command, "--env", "FILE|NAME", options->environment, [](const std::string& value) { return value; },
       "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, furnace, none [the scene's wish, else studio]");

@@ -28,7 +28,29 @@ std::string prefix_of(std::size_t index, std::size_t count) {
   return count > 1 ? fmt::format("picture {} of {}, ", index + 1, count) : "";
 }
 
+/// How much of the progress of a picture that is denoised is that of its samples.
+constexpr double kShareOfSamples = 0.97;
+
 }  // namespace
+
+Quality parse_quality(std::string_view name) {
+  std::string known;
+  for (const QualityInfo& info : kQualities) {
+    if (info.name == name) return info.quality;
+    known += (known.empty() ? "" : ", ") + std::string(info.name);
+  }
+  throw Error("unknown quality \"" + std::string(name) + "\" (known: " + known + ")");
+}
+
+void set_quality(Quality quality, Shot& shot) {
+  for (const QualityInfo& info : kQualities) {
+    if (info.quality != quality) continue;
+    shot.traced.samples = info.samples;
+    shot.traced.noise = info.noise > 0.0f ? std::optional(info.noise) : std::nullopt;
+    shot.denoiser = denoise::Method::regression;
+    shot.drawn.frames = info.frames;
+  }
+}
 
 std::vector<View> all_around(const View& view, vec3 center, int count) {
   std::vector<View> views;
@@ -61,6 +83,8 @@ Settings with_picture(Settings settings, const Shot& shot) {
 path::Settings traced_settings(const Shot& shot) {
   path::Settings settings = with_picture(shot.traced, shot);
   settings.has_features |= shot.denoiser.has_value();
+  if (shot.exposure) settings.develop.exposure = *shot.exposure;
+  settings.develop.tone_curve = shot.tone_curve;
   return settings;
 }
 raster::Settings drawn_settings(const Shot& shot) { return with_picture(shot.drawn, shot); }
@@ -263,7 +287,7 @@ void Take::choose_denoiser() {
   shot_.denoiser = denoise::Method::regression;
 }
 
-std::map<std::string, std::string> Take::metadata(double samples_per_pixel) const {
+std::map<std::string, std::string> Take::metadata(double samples_per_pixel, bool is_denoised) const {
   std::map<std::string, std::string> result{
       {"scene", shot_.scene},
       {"camera", camera_},
@@ -275,7 +299,7 @@ std::map<std::string, std::string> Take::metadata(double samples_per_pixel) cons
   if (!shot_.load.scene.empty()) result["scene_of_file"] = shot_.load.scene;
   if (!shot_.load.variant.empty()) result["variant"] = shot_.load.variant;
   if (!shot_.shading_name.empty()) result["shading"] = shot_.shading_name;
-  if (shot_.denoiser) result["denoiser"] = denoise::method_name(*shot_.denoiser);
+  if (is_denoised) result["denoiser"] = denoise::method_name(*shot_.denoiser);
   return result;
 }
 
@@ -288,10 +312,17 @@ void Take::hand_over(TakenPicture picture, TakeResult& result, const std::functi
   take(std::move(picture));
 }
 
+/// Noise is judged where it will be seen.
+path::Settings Take::settings_of_trace() const {
+  path::Settings settings = traced_settings(shot_);
+  settings.develop = develop_;
+  return settings;
+}
+
 /// The mean of the moments while the shutter is open.
 Film Take::trace_moving(std::size_t index, const Job& job, path::Statistics& statistics) {
   constexpr int kMostMoments = 32;
-  path::Settings settings = traced_settings(shot_);
+  path::Settings settings = settings_of_trace();
   const int count = std::min(kMostMoments, settings.samples);
   settings.samples = (settings.samples + count - 1) / count;
   if (settings.time_limit_s) *settings.time_limit_s /= count;
@@ -334,9 +365,27 @@ Film Take::trace_one(std::size_t index, const Job& job, path::Statistics& statis
                     shot_.shading);
     build_s = tracer_->build_s();
   }
-  Film film = tracer_->render(view_at(tracer_->scene(), index), traced_settings(shot_), job, &statistics);
+  Film film = tracer_->render(view_at(tracer_->scene(), index), settings_of_trace(), job, &statistics);
   statistics.build_s = build_s;
   return film;
+}
+
+/// Stopped on the way, it is the picture as it was traced, which is not what was asked for.
+void Take::take_noise_out(TakenPicture& picture, const Job& job) const {
+  Job part = job;
+  if (job.progress) {
+    part.progress = [&](Progress p) {
+      p.fraction = kShareOfSamples + (1.0 - kShareOfSamples) * p.fraction;
+      p.samples_per_pixel = picture.traced.mean_samples_per_pixel;
+      job.progress(p);
+    };
+  }
+  const Stopwatch watch;
+  picture.is_denoised = denoise::denoise(picture.film, *shot_.denoiser, part);
+  picture.denoise_s = watch.seconds();
+  if (picture.is_denoised) return;
+  picture.traced.interrupted = true;
+  warn("stopped while it was denoised: the picture has its noise");
 }
 
 TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job& job) {
@@ -347,24 +396,23 @@ TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job&
     double samples_per_pixel = 0.0;
     part.progress = [&, tell = part.progress](const Progress& p) {
       samples_per_pixel = p.samples_per_pixel;
-      if (tell) tell(p);
+      if (!tell) return;
+      Progress told = p;
+      if (shot_.denoiser) told.fraction *= kShareOfSamples;
+      tell(told);
     };
     if (job.partial) {
       part.partial = [&](Film film) {
-        film.metadata.merge(metadata(samples_per_pixel));
+        film.metadata.merge(metadata(samples_per_pixel, false));
         job.partial(std::move(film));
       };
     }
     TakenPicture picture{.index = index};
     picture.film = trace_one(index, part, picture.traced);
     if (picture.traced.samples == 0) throw Interrupted("before the first sample: no picture");
-    if (shot_.denoiser) {
-      const Stopwatch watch;
-      denoise::denoise(picture.film, *shot_.denoiser);
-      picture.denoise_s = watch.seconds();
-      result.denoise_s += picture.denoise_s;
-    }
-    picture.film.metadata.merge(metadata(picture.traced.mean_samples_per_pixel));
+    if (shot_.denoiser) take_noise_out(picture, parts.part(index, prefix_of(index, result.asked)));
+    result.denoise_s += picture.denoise_s;
+    picture.film.metadata.merge(metadata(picture.traced.mean_samples_per_pixel, picture.is_denoised));
     add_work(picture.traced, result.traced);
     result.traced.mean_samples_per_pixel = picture.traced.mean_samples_per_pixel;
     hand_over(std::move(picture), result, take);
@@ -408,7 +456,7 @@ TakeResult Take::draw(const std::function<void(TakenPicture)>& take, const Job& 
     part.diagnostics = diagnostics_;
     TakenPicture picture{.index = index};
     picture.film = draw_one(index, drawer, part, picture.drawn);
-    picture.film.metadata.merge(metadata(picture.drawn.frames));
+    picture.film.metadata.merge(metadata(picture.drawn.frames, false));
     add_work(picture.drawn, result.drawn);
     hand_over(std::move(picture), result, take);
     result.interrupted |= result.done < result.asked && job.is_stopped();

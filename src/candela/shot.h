@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -7,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "candela/candela.h"
@@ -79,6 +81,33 @@ struct Shot {
   bool has_many_pictures() const { return turntable || sequence; }
 };
 
+/// How good a picture shall be, in the words of people who wait for it.
+enum class Quality {
+  draft,  ///< to see what there is
+  good,   ///< to show
+  final   ///< to keep
+};
+
+/// What a quality asks of either engine; Shots that set_quality() has not touched have none of it.
+struct QualityInfo {
+  Quality quality;
+  std::string_view name;  ///< on the command line
+  int samples;            ///< path::Settings: at most
+  float noise;            ///< the noise of what is shown at which a pixel has enough; 0 = all samples are taken
+  int frames;             ///< raster::Settings
+};
+/// All are denoised by what is built in. Chosen by the errors and seconds in docs/denoising.md.
+inline constexpr auto kQualities = std::to_array<QualityInfo>({
+    {Quality::draft, "draft", 16, 0.0f, 1},
+    {Quality::good, "good", 128, 0.02f, 8},
+    {Quality::final, "final", 2048, 0.005f, 32},
+});
+/// Throws Error that lists what there is.
+Quality parse_quality(std::string_view name);
+
+/// Gives a shot the samples, the noise target and the denoiser, and the frames, that the quality means.
+void set_quality(Quality quality, Shot& shot);
+
 /// `view` turned about the vertical axis through `center` in `count` equal steps; the first is not turned.
 std::vector<View> all_around(const View& view, vec3 center, int count);
 
@@ -113,6 +142,7 @@ struct TakenPicture {
   path::Statistics traced = {};  ///< of the engine that made it
   raster::Statistics drawn = {};
   double denoise_s = 0.0;
+  bool is_denoised = false;  ///< not where a stop came first
   bool is_whole() const { return !traced.interrupted && !drawn.interrupted; }
 };
 
@@ -154,8 +184,10 @@ class Take {
   void set_lens(const Scene& scene, View& view) const;
   Scene scene_at(double moment_s);
   View view_at(const Scene& scene, std::size_t index) const;
-  std::map<std::string, std::string> metadata(double samples_per_pixel) const;
+  std::map<std::string, std::string> metadata(double samples_per_pixel, bool is_denoised) const;
+  void take_noise_out(TakenPicture& picture, const Job& job) const;
   void hand_over(TakenPicture picture, TakeResult& result, const std::function<void(TakenPicture)>& take);
+  path::Settings settings_of_trace() const;
   TakeResult trace(const std::function<void(TakenPicture)>& take, const Job& job);
   Film trace_one(std::size_t index, const Job& job, path::Statistics& statistics);
   Film trace_moving(std::size_t index, const Job& job, path::Statistics& statistics);

@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "denoise/oidn.h"
 #include "denoise/regression.h"
 
@@ -21,9 +22,17 @@ std::string_view method_name(Method method) { return method == Method::oidn ? "o
 
 std::string why_not(Method method) { return method == Method::oidn ? why_no_oidn() : std::string(); }
 
-void denoise(Film& film, Method method) {
+bool denoise(Film& film, Method method, const Job& job) {
   CANDELA_CHECK(film.features.has_value());
-  const Image clean = method == Method::oidn ? denoise_by_oidn(film) : regress(film);
+  Job here = job;
+  if (job.is_stopped()) here.stop = nullptr;
+  Image clean;
+  try {
+    const StopScope scope(here.stop);
+    clean = method == Method::oidn ? denoise_by_oidn(film, here) : regress(film, here);
+  } catch (const Interrupted&) {
+    return false;
+  }
   film.noisy = film.beauty;
   for (int y = 0; y < film.height(); ++y) {
     for (int x = 0; x < film.width(); ++x) {
@@ -33,6 +42,7 @@ void denoise(Film& film, Method method) {
       if (is_finite(color) && !is_empty) film.beauty.set_rgb(x, y, color);
     }
   }
+  return true;
 }
 
 }  // namespace candela::denoise

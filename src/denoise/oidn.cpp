@@ -29,6 +29,7 @@ struct Library {
   void (*set_shared_image)(void* filter, const char* name, void* data, int format, std::size_t width,
                            std::size_t height, std::size_t offset, std::size_t pixel_stride,
                            std::size_t row_stride) = nullptr;
+  void (*set_monitor)(void* filter, bool (*function)(void* data, double fraction), void* data) = nullptr;
   void (*set_bool)(void* filter, const char* name, bool value) = nullptr;
   void (*commit_filter)(void* filter) = nullptr;
   void (*execute_filter)(void* filter) = nullptr;
@@ -46,7 +47,8 @@ Library open_library() {
   Library library;
   void* handle = dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);  // stays open until the process ends
   if (handle == nullptr) {
-    library.error = fmt::format("{} is not found", kLibrary);
+    const char* why = dlerror();
+    library.error = why != nullptr ? why : fmt::format("{} is not found", kLibrary);
     return library;
   }
   std::string& error = library.error;
@@ -56,6 +58,7 @@ Library open_library() {
   find(handle, "oidnReleaseDevice", library.release_device, error);
   find(handle, "oidnNewFilter", library.new_filter, error);
   find(handle, "oidnSetSharedFilterImage", library.set_shared_image, error);
+  find(handle, "oidnSetFilterProgressMonitorFunction", library.set_monitor, error);
   find(handle, "oidnSetFilterBool", library.set_bool, error);
   find(handle, "oidnCommitFilter", library.commit_filter, error);
   find(handle, "oidnExecuteFilter", library.execute_filter, error);
@@ -89,6 +92,13 @@ Device open_device() {
   return device;
 }
 
+/// False ends it.
+bool report(void* data, double fraction) {
+  const Job& job = *static_cast<const Job*>(data);
+  job.report({.fraction = fraction, .what = "denoising"});
+  return !job.is_stopped();
+}
+
 }  // namespace
 
 std::string why_no_oidn() {
@@ -100,7 +110,7 @@ std::string why_no_oidn() {
   return {};
 }
 
-Image denoise_by_oidn(const Film& film) {
+Image denoise_by_oidn(const Film& film, const Job& job) {
   const Library& l = library();
   const Device device = open_device();
   const auto width = static_cast<std::size_t>(film.width()), height = static_cast<std::size_t>(film.height());
@@ -118,8 +128,11 @@ Image denoise_by_oidn(const Film& film) {
   set("normal", normal);
   set("output", result);
   l.set_bool(filter.get(), "hdr", true);
+  Job watched = job;
+  l.set_monitor(filter.get(), report, &watched);
   l.commit_filter(filter.get());
   l.execute_filter(filter.get());
+  if (job.is_stopped()) throw Interrupted("while denoising");
   const std::string error = error_of(device.get());
   if (!error.empty()) throw Error("Open Image Denoise: " + error);
   return result;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "image/film.h"
+#include "image/job.h"
 
 namespace candela::denoise {
 
@@ -10,6 +11,6 @@ std::string why_no_oidn();
 
 /// RGB of a film's picture by Open Image Denoise's filter for path tracing ("RT"), high dynamic range, with albedo and
 /// normal. Film::features is there. Throws Error.
-Image denoise_by_oidn(const Film& film);
+Image denoise_by_oidn(const Film& film, const Job& job = {});
 
 }  // namespace candela::denoise

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -14,9 +15,10 @@ namespace {
 
 // Chosen by the error of 16 samples against converged pictures of a helmet, a sofa, a candle in a glass and a Cornell
 // box.
-constexpr int kRadius = 8;                 // of a window, pixels
-constexpr int kStride = 4;                 // between the middles of windows
-constexpr float kLightTolerance = 0.8f;    // standard deviations that pixels of the same light are apart
+constexpr int kRadius = 12;                // of a window, pixels
+constexpr int kStride = 6;                 // between the middles of windows
+constexpr int kOwnRadius = 6;              // of the window of a pixel that has one of its own
+constexpr float kLightTolerance = 1.2f;    // standard deviations that pixels of the same light are apart
 constexpr float kFeatureTolerance = 0.6f;  // the same of normal and albedo
 constexpr float kLeastFeatureVariance = 0.01f;
 constexpr float kLeastAlbedo = 0.02f;    // that light is divided by
@@ -55,6 +57,16 @@ void for_rows(int height, const std::function<void(int)>& body) {
   parallel_for(0, static_cast<std::size_t>(height), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y) body(static_cast<int>(y));
   });
+}
+
+/// The same, telling how far it is between two shares of the whole work.
+void for_rows(int height, const Job& job, double from, double to, const std::function<void(int)>& body) {
+  constexpr int kSteps = 8;
+  for (int step = 0; step < kSteps; ++step) {
+    const int first = height * step / kSteps, end = height * (step + 1) / kSteps;
+    for_rows(end - first, [&](int row) { body(first + row); });
+    job.report({.fraction = from + (to - from) * (step + 1) / kSteps, .what = "denoising"});
+  }
 }
 
 /// Calls `body(x, y)` for the (2 reach + 1)² pixels around one, row by row; fewer at borders.
@@ -123,7 +135,7 @@ Planes make_planes(const Film& film) {
       const std::size_t k = 3 * i + c;
       const float albedo = std::max(f.albedo.pixels[k], kLeastAlbedo);
       s.albedo[c][i] = albedo;
-      s.light[c][i] = (film.beauty.pixels[4 * i + c] - f.seen.pixels[k]) / albedo;
+      s.light[c][i] = (film.beauty.pixels[4 * i + c] - f.seen.pixels[4 * i + c]) / albedo;
       variance[c][i] = f.variance.pixels[k] / (albedo * albedo);
       s.features[c][i] = f.normal.pixels[k];
       s.features[3 + c][i] = f.albedo.pixels[k];
@@ -137,6 +149,82 @@ Planes make_planes(const Film& film) {
     for (float& v : s.mean_variance[c]) v /= 9.0f;
   }
   return s;
+}
+
+/// What chance decides of a pixel, as luminance, and its variance.
+struct Chance {
+  Plane level, variance;
+};
+
+/// How unlike two pixels are, pixel by pixel of the 3×3 around them, over what their variances make likely: 0 where
+/// that is all.
+float apart(const Chance& chance, ivec2 size, ivec2 p, ivec2 q) {
+  constexpr float kTolerance2 = 0.2f;
+  float sum = 0.0f, count = 0.0f;
+  for (int j = -1; j <= 1; ++j) {
+    for (int i = -1; i <= 1; ++i) {
+      const ivec2 a = p + ivec2(i, j), b = q + ivec2(i, j);
+      if (std::min(std::min(a.x, a.y), std::min(b.x, b.y)) < 0) continue;
+      if (std::max(a.x, b.x) >= size.x || std::max(a.y, b.y) >= size.y) continue;
+      const auto at = [&](ivec2 v) {
+        return static_cast<std::size_t>(v.y) * static_cast<std::size_t>(size.x) + static_cast<std::size_t>(v.x);
+      };
+      const float difference = chance.level[at(a)] - chance.level[at(b)];
+      const float va = chance.variance[at(a)], vb = chance.variance[at(b)];
+      sum += (difference * difference - (va + std::min(va, vb))) / (kTolerance2 * (va + vb) + 1e-12f);
+      ++count;
+    }
+  }
+  return std::max(sum / count, 0.0f);
+}
+
+/// Where `is_by_chance(x, y)`, the mean of pixels around that may be the same, given their variance: non-local means as
+/// in Rousselle et al. 2012, "Adaptive Rendering with Non-Local Means Filtering". Elsewhere `of` as it is.
+template <class IsByChance>
+Image without_chance(const Image& of, Plane variance, const IsByChance& is_by_chance) {
+  constexpr int kReach = 5;
+  const ivec2 size(of.width, of.height);
+  Chance chance{Plane(variance.size()), std::move(variance)};
+  Image clean(size.x, size.y, 3);
+  std::size_t k = 0;
+  for (int y = 0; y < size.y; ++y) {
+    for (int x = 0; x < size.x; ++x) chance.level[k++] = luminance(of.rgb(x, y));
+  }
+  for_rows(size.y, [&](int y) {
+    for (int x = 0; x < size.x; ++x) {
+      clean.set_rgb(x, y, of.rgb(x, y));
+      if (!is_by_chance(x, y)) continue;
+      vec3 sum(0.0f);
+      float total = 0.0f;
+      for_square(size, {x, y}, kReach, [&](int i, int j) {
+        const float w = std::exp(-apart(chance, size, {x, y}, {i, j}));
+        total += w;
+        sum += w * of.rgb(i, j);
+      });
+      clean.set_rgb(x, y, sum / total);
+    }
+  });
+  return clean;
+}
+
+/// Light that is seen directly, where chance decides whether a pixel sees a lamp or the background at all: edges out of
+/// focus or in motion.
+Image clean_seen(const Film& film) {
+  const DenoisingFeatures& f = *film.features;
+  Plane variance(f.seen.pixels.size() / 4);
+  for (std::size_t i = 0; i < variance.size(); ++i) variance[i] = f.seen.pixels[4 * i + 3];
+  return without_chance(f.seen, std::move(variance), [&](int x, int y) {
+    return glm::length(f.normal.rgb(x, y)) > 0.0f && f.seen.at(x, y)[3] > 0.0f;
+  });
+}
+
+/// Albedo that light is multiplied by in the end, where chance decides between mirror and clear glass and what is
+/// beyond is the background: light over albedo has no noise there, the albedo has it all.
+Image clean_albedo(const Film& film) {
+  const DenoisingFeatures& f = *film.features;
+  return without_chance(f.albedo, f.albedo_variance.pixels, [&](int x, int y) {
+    return glm::length(f.normal.rgb(x, y)) <= 0.0f && f.albedo_variance.at(x, y)[0] > 0.0f;
+  });
 }
 
 /// How much pixel `q` counts in the window around `p`: how likely both have the same light, and the same surface.
@@ -190,9 +278,10 @@ void solve(Matrix& a, Coefficients& b) {
 
 using Row = std::array<float, kPadded>;
 
-float dot(const Row& a, const Row& b) {
+/// Of the first `n`, and of zeros up to a multiple of kLanes.
+float dot(const Row& a, const Row& b, std::size_t n) {
   std::array<float, kLanes> sums{};
-  for (std::size_t i = 0; i < kPadded; i += kLanes) {
+  for (std::size_t i = 0; i < n; i += kLanes) {
     for (std::size_t l = 0; l < kLanes; ++l) sums[l] += a[i + l] * b[i + l];
   }
   float sum = 0.0f;
@@ -200,14 +289,14 @@ float dot(const Row& a, const Row& b) {
   return sum;
 }
 
-Coefficients fit(const Planes& s, ivec2 middle) {
-  std::array<Row, kBasis> basis{};  // times the root of the weight
-  std::array<Row, 3> light{};
+Coefficients fit(const Planes& s, ivec2 middle, int reach) {
+  std::array<Row, kBasis> basis;  // times the root of the weight
+  std::array<Row, 3> light;
   std::array<float, 2> feature_noise{};
   float total = 0.0f;
   std::size_t n = 0;
   const std::size_t p = s.at(middle.x, middle.y);
-  for_square(s.size(), middle, kRadius, [&](int x, int y) {
+  for_square(s.size(), middle, reach, [&](int x, int y) {
     const std::size_t q = s.at(x, y);
     const float w = weight(s, p, q);
     const float root = std::sqrt(w);
@@ -218,11 +307,15 @@ Coefficients fit(const Planes& s, ivec2 middle) {
     for (std::size_t f = 0; f < 2; ++f) feature_noise[f] += w * s.feature_variance[f][q];
     ++n;
   });
+  for (std::size_t i = n; i % kLanes != 0; ++i) {
+    for (Row& row : basis) row[i] = 0.0f;
+    for (Row& row : light) row[i] = 0.0f;
+  }
   Matrix a{};
   Coefficients b{};
   for (std::size_t i = 0; i < kBasis; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) a[i][j] = dot(basis[i], basis[j]);
-    for (std::size_t c = 0; c < 3; ++c) b[c][i] = dot(basis[i], light[c]);
+    for (std::size_t j = 0; j <= i; ++j) a[i][j] = dot(basis[i], basis[j], n);
+    for (std::size_t c = 0; c < 3; ++c) b[c][i] = dot(basis[i], light[c], n);
     if (i > 0) a[i][i] += kRidge * total;
     if (i >= 3) a[i][i] += feature_noise[(i - 3) / 3];
   }
@@ -262,7 +355,7 @@ void keep_what_is_certain(const Film& film, Image& clean) {
     for (std::size_t c = 0; c < 3; ++c) {
       const float d = film.beauty.pixels[4 * i + c] - clean.pixels[3 * i + c];
       difference[i] += d * d;
-      noise[i] += film.features->variance.pixels[3 * i + c];
+      noise[i] += film.features->variance.pixels[3 * i + c] + film.features->seen.pixels[4 * i + 3];
     }
   }
   difference = mean_of_nine(difference, clean.width, clean.height);
@@ -280,20 +373,21 @@ void keep_what_is_certain(const Film& film, Image& clean) {
 
 }  // namespace
 
-Image regress(const Film& film) {
+Image regress(const Film& film, const Job& job) {
   const Planes s = make_planes(film);
+  const Image seen = clean_seen(film), albedos = clean_albedo(film);
   const Middles columns{s.width}, rows{s.height};
   const auto index = [&](int column, int row) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns.count()) + static_cast<std::size_t>(column);
   };
   std::vector<Coefficients> fits(index(0, rows.count()));
-  for_rows(rows.count(), [&](int row) {
+  for_rows(rows.count(), job, 0.1, 0.6, [&](int row) {
     for (int column = 0; column < columns.count(); ++column)
-      fits[index(column, row)] = fit(s, {columns[column], rows[row]});
+      fits[index(column, row)] = fit(s, {columns[column], rows[row]}, kRadius);
   });
 
   Image clean(s.width, s.height, 3);
-  for_rows(s.height, [&](int y) {
+  for_rows(s.height, job, 0.6, 1.0, [&](int y) {
     for (int x = 0; x < s.width; ++x) {
       const std::size_t q = s.at(x, y);
       float total = 0.0f;
@@ -314,13 +408,13 @@ Image regress(const Film& film) {
       }
       // What no window speaks for, as a texel of a colour that no window's middle has, has a window of its own.
       if (total < kLeastWeight) {
-        const Coefficients own = fit(s, {x, y});
+        const Coefficients own = fit(s, {x, y}, kOwnRadius);
         sum = {own[0][0], own[1][0], own[2][0]};
         total = 1.0f;
       }
-      const vec3 albedo(s.albedo[0][q], s.albedo[1][q], s.albedo[2][q]);
+      const vec3 albedo = glm::max(albedos.rgb(x, y), kLeastAlbedo);
       const vec3 light = within_neighbours(s, {x, y}, sum / total);
-      clean.set_rgb(x, y, light * albedo + film.features->seen.rgb(x, y));
+      clean.set_rgb(x, y, light * albedo + seen.rgb(x, y));
     }
   });
   keep_what_is_certain(film, clean);

@@ -246,6 +246,7 @@ std::vector<Complex> synthesise_rows(const Harmonics& harmonics, const std::vect
   const std::size_t half = static_cast<std::size_t>(rows) / 2;
   const std::size_t orders = static_cast<std::size_t>(lmax) + 1;
   std::vector<double> polar;
+  polar.reserve(half);
   for (std::size_t j = 0; j < half; ++j) polar.push_back((static_cast<double>(j) + 0.5) * kPiD / rows);
   std::vector<Complex> spectra(static_cast<std::size_t>(rows) * 3 * orders);
   parallel_for(0, orders, 1, [&](std::size_t begin, std::size_t end) {

@@ -174,6 +174,7 @@ std::vector<dvec3> polynomial(std::span<const dvec3> c) {
   const double k20 = 0.25 * std::sqrt(5.0) * root;
   const double factors[9] = {k0, k1, k1, k1, k2, k2, k20, k2, 0.5 * k2};
   std::vector<dvec3> result;
+  result.reserve(9);
   for (std::size_t i = 0; i < 9; ++i) result.push_back(factors[i] * c[i]);
   return result;
 }

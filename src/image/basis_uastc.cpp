@@ -370,7 +370,7 @@ int no_mode(std::span<std::uint32_t, 16> texels) {
 template <UastcRounding kRounding>
 int decode_block(std::span<const std::byte, kUastcBlockBytes> block, std::span<std::uint32_t, 16> texels) {
   BlockBits bits(block);
-  const int index = kModeOfBits[bits.peek(7)];
+  const int index = static_cast<int>(kModeOfBits[bits.peek(7)]);
   if (index < 0) return no_mode(texels);
   bits.skip(kModeCodes[static_cast<std::size_t>(index)].length);
   if (index == kSolidMode) {

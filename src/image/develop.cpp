@@ -234,6 +234,34 @@ float metered_exposure(const Film& film) {
   return static_cast<float>(std::clamp(exposure, 1e-30, 1e30));
 }
 
+namespace {
+
+const SrgbEncoder& srgb_encoder() {
+  static const SrgbEncoder encoder;
+  return encoder;
+}
+
+}  // namespace
+
+Shown::Shown(ToneCurve curve, float exposure) : curve_(shade::tone_linear), exposure_(exposure) {
+  for (const ToneCurveInfo& info : kToneCurves) {
+    if (info.curve == curve) curve_ = info.function;
+  }
+}
+
+vec3 Shown::operator()(vec3 light) const {
+  const vec3 linear = curve_(vec3(positive(light.x), positive(light.y), positive(light.z)) * exposure_);
+  const SrgbEncoder& encode = srgb_encoder();
+  return vec3(encode(linear.x), encode(linear.y), encode(linear.z)) / 255.0f;
+}
+
+float Shown::error(vec3 light, float relative) const {
+  if (!(relative < kInfinity)) return kInfinity;
+  if (relative <= 0.0f) return 0.0f;
+  const vec3 apart = (*this)(light * (1.0f + relative)) - (*this)(light * std::max(1.0f - relative, 0.0f));
+  return 0.5f * max_component(glm::abs(apart));
+}
+
 DisplayImage develop(const Film& film, const DevelopSettings& settings) {
   const Image scattered = settings.bloom > 0.0f ? bloomed(film.beauty, settings.bloom) : Image();
   const Image scattered_through =
@@ -247,7 +275,7 @@ DisplayImage develop(const Film& film, const DevelopSettings& settings) {
 
   const float exposure = settings.exposure ? *settings.exposure : metered_exposure(film);
   const RowFunction row = row_function(settings.tone_curve);
-  const SrgbEncoder encode;
+  const SrgbEncoder& encode = srgb_encoder();
   const std::size_t row_bytes = static_cast<std::size_t>(beauty.width) * 4;
   parallel_for(0, static_cast<std::size_t>(beauty.height), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y)

@@ -62,6 +62,21 @@ std::optional<float> parse_exposure(std::string_view text);
 /// alpha, black pixels left out, the brightest and darkest 1 % of pixels left out; 1 for an all-black picture.
 float metered_exposure(const Film& film);
 
+/// What a display shows of light, from 0 (black) to 1 (white), by channel: exposure, tone curve, sRGB encoding.
+class Shown {
+ public:
+  Shown(ToneCurve curve, float exposure);
+  vec3 operator()(vec3 light) const;
+  /// The standard error of what is shown of `light`, that of the light being `relative` times as large as the light
+  /// itself: half the difference between light one standard error above and below, of the channel that differs most.
+  /// This is the curve's slope times the error where the curve is straight over it. Infinite where `relative` is.
+  float error(vec3 light, float relative) const;
+
+ private:
+  vec3 (*curve_)(vec3 color);
+  float exposure_;
+};
+
 /// Encoded sRGB, 8 bits, RGBA (alpha straight, not premultiplied), row 0 at the top. Straight colour ends at white:
 /// where clear glass reflects more than its alpha can show, alpha rises.
 struct DisplayImage {

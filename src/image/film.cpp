@@ -42,6 +42,10 @@ void accumulate(const Film& film, float share, Film& sum) {
     add(film.features->albedo, sum.features->albedo);
     add(film.features->normal, sum.features->normal);
     add(film.features->seen, sum.features->seen);
+    for (std::size_t i = 3; i < film.features->seen.pixels.size(); i += 4) {
+      // Its variance, of which the share is squared.
+      sum.features->seen.pixels[i] += (share * share - share) * film.features->seen.pixels[i];
+    }
     add_scaled(film.features->albedo_variance, share * share, sum.features->albedo_variance);
     add_scaled(film.features->normal_variance, share * share, sum.features->normal_variance);
     add_scaled(film.features->variance, share * share, sum.features->variance);
@@ -67,7 +71,7 @@ std::size_t count_mean_layers(const std::set<Layer>& layers) {
 }
 
 std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers, bool has_features) {
-  std::uint64_t floats = has_features ? 4 + 14 : 4;  // of the picture
+  std::uint64_t floats = has_features ? 4 + 15 : 4;  // of the picture
   for (const Layer layer : layers) floats += static_cast<std::uint64_t>(layer_channels(layer));
   return floats * sizeof(float);
 }

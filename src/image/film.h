@@ -55,7 +55,7 @@ struct DenoisingFeatures {
   Image normal;  ///< world space, of the same; 0 where there is none
   Image albedo_variance;  ///< of the mean, averaged over the channels: 1 channel
   Image normal_variance;  ///< the same
-  Image seen;             ///< light of the picture that was never reflected or refracted: lamps and background
+  Image seen;             ///< lamps and background, neither reflected nor refracted; A: variance of its luminance
   Image variance;         ///< of the mean of the picture's other light, by channel
 };
 

@@ -249,6 +249,7 @@ std::vector<Sample> samples_of(const TexelLayout& layout) {
   if (layout.format == TexelFormat::r11g11b10f)
     return {{0, 11, kRed, kFloat, 0, one}, {11, 11, kGreen, kFloat, 0, one}, {22, 10, kBlue, kFloat, 0, one}};
   std::vector<Sample> samples;
+  samples.reserve(static_cast<std::size_t>(layout.channels));
   const std::uint32_t bits = 8 * layout.type_bytes;
   for (std::uint32_t c = 0; c < static_cast<std::uint32_t>(layout.channels); ++c)
     samples.push_back(

@@ -232,6 +232,7 @@ std::vector<std::span<const std::byte>> unpacked_faces(const StoredTexture& stor
   const std::uint64_t size = stored_face_bytes(stored, level);
   storage = unpack(level.packed, size * count, stored.packing, where);
   std::vector<std::span<const std::byte>> faces;
+  faces.reserve(count);
   for (std::size_t face = 0; face < count; ++face)
     faces.emplace_back(storage.data() + face * static_cast<std::size_t>(size), static_cast<std::size_t>(size));
   return faces;

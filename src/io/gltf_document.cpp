@@ -396,7 +396,7 @@ std::optional<JsonView> GltfBuffers::find_undefined(const JsonView& reference) c
   const JsonView view = root_.at("bufferViews")[reference.index(count_of(root_, "bufferViews"), "buffer view")];
   if (meshopt_of(view)) return std::nullopt;
   const std::size_t index = view.at("buffer").index(loaded_.size(), "buffer");
-  const JsonView json = root_.at("buffers")[index];
+  JsonView json = root_.at("buffers")[index];
   // A GLB whose first buffer has no uri has lost its binary chunk.
   if (json.find("uri") || (index == 0 && is_glb_)) return std::nullopt;
   return json;

@@ -197,8 +197,10 @@ std::vector<std::size_t> scene_roots(const JsonView& root, std::size_t chosen, F
 }  // namespace
 
 std::vector<std::string> read_scene_names(const JsonView& root) {
+  const std::size_t count = count_of(root, "scenes");
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < count_of(root, "scenes"); ++i) {
+  names.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
     names.push_back(root.at("scenes")[i].string_or("name"));
   }
   return names;

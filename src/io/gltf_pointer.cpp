@@ -97,10 +97,10 @@ std::optional<std::vector<std::string>> split_pointer(std::string_view pointer) 
       tokens.emplace_back();
     } else if (pointer[i] != '~') {
       tokens.back() += pointer[i];
-    } else if (++i < pointer.size() && (pointer[i] == '0' || pointer[i] == '1')) {
-      tokens.back() += pointer[i] == '0' ? '~' : '/';
     } else {
-      return std::nullopt;
+      ++i;
+      if (i >= pointer.size() || (pointer[i] != '0' && pointer[i] != '1')) return std::nullopt;
+      tokens.back() += pointer[i] == '0' ? '~' : '/';
     }
   }
   return tokens;

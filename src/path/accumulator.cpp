@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "base/parallel.h"
 
@@ -10,8 +11,34 @@ namespace candela::path {
 
 namespace {
 
+/// Of few samples a pixel's own variance says little, of one that has met no light yet nothing: there it is at least
+/// the mean of the pixels around.
+void raise_variance(const std::vector<std::uint8_t>& has_few, Image& variance) {
+  constexpr int kRadius = 2;
+  const Image before = variance;
+  parallel_for(0, static_cast<std::size_t>(variance.height), 4, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < variance.width; ++x) {
+        if (has_few[static_cast<std::size_t>(y) * static_cast<std::size_t>(variance.width) +
+                    static_cast<std::size_t>(x)] == 0) {
+          continue;
+        }
+        vec3 sum(0.0f);
+        float count = 0.0f;
+        for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, variance.height - 1); ++j) {
+          for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, variance.width - 1); ++i) {
+            sum += before.rgb(i, j);
+            ++count;
+          }
+        }
+        variance.set_rgb(x, y, glm::max(before.rgb(x, y), sum / count));
+      }
+    }
+  });
+}
+
 /// Sobol' points do better than independent samples, by how much the difference of two halves says; of one pixel it
-/// says little, of the pixels around it enough.
+/// says little, of the pixels around it enough. Negative: of a pixel that has no second half.
 void scale_variance(const Image& halves, Image& variance) {
   constexpr int kRadius = 3;
   const Image before = variance;
@@ -21,13 +48,13 @@ void scale_variance(const Image& halves, Image& variance) {
         double found = 0.0, told = 0.0;
         for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, variance.height - 1); ++j) {
           for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, variance.width - 1); ++i) {
-            if (halves.at(i, j)[0] <= 0.0f) continue;
-            const vec3 v = before.rgb(i, j);
+            if (halves.at(i, j)[0] < 0.0f) continue;
             found += static_cast<double>(halves.at(i, j)[0]);
-            told += static_cast<double>(v.x + v.y + v.z);
+            for (const float v : before.at(i, j)) told += static_cast<double>(v);
           }
         }
-        if (told > 0.0) variance.set_rgb(x, y, before.rgb(x, y) * static_cast<float>(std::min(found / told, 1.0)));
+        if (!(told > 0.0)) continue;
+        for (float& v : variance.at(x, y)) v *= static_cast<float>(std::min(found / told, 1.0));
       }
     }
   });
@@ -45,11 +72,14 @@ Accumulator::Accumulator(const Settings& settings, bool has_through)
   layers_.resize(n * mean_layers_.size(), vec3(0.0f));
   if (has_through) through_.resize(n);
   if (settings.has_features) features_.resize(n);
+  if (settings.noise) half_luminance_.resize(n);
 }
 
 std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
   const bool may_have_through = settings.background == Background::transparent && !settings.environment_in_glass;
-  return sizeof(Pixel) + (settings.has_features ? sizeof(Features) : 0) +
+  // Judging noise takes what is metered, with copies to sort, and the errors.
+  constexpr std::size_t kJudging = sizeof(float) * (1 + 8 + 3 + 1);
+  return sizeof(Pixel) + (settings.has_features ? sizeof(Features) : 0) + (settings.noise ? kJudging : 0) +
          (may_have_through ? sizeof(Through) + 4 * sizeof(float) : 0) +
          sizeof(vec3) * count_mean_layers(settings.layers);
 }
@@ -68,6 +98,7 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
   for (std::size_t k = 0; k < mean_layers_.size(); ++k) {
     layers_[i * mean_layers_.size() + k] += sample.first[static_cast<std::size_t>(mean_layers_[k])];
   }
+  if (!half_luminance_.empty() && ((p.count - 1) & kHalf) == 0) half_luminance_[i] += static_cast<float>(l);
   if (!features_.empty()) {
     Features& f = features_[i];
     f.albedo += sample.feature_albedo;
@@ -75,10 +106,13 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
     f.albedo2 += glm::dot(sample.feature_albedo, sample.feature_albedo);
     f.normal2 += glm::dot(sample.feature_normal, sample.feature_normal);
     f.seen += sample.seen;
+    const float seen = luminance(sample.seen);
+    f.seen2 += seen * seen;
     const vec3 other = sample.radiance - sample.seen;
     f.other2 += other * other;
     if (((p.count - 1) & kHalf) == 0) {
       f.other_half += other;
+      f.seen_half += seen;
       ++f.count_half;
     }
   }
@@ -91,43 +125,102 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
   return true;
 }
 
-float Accumulator::relative_error(int x, int y, Reference reference) const {
-  const Pixel& p = pixel(x, y);
-  if (p.count < 2) return kInfinity;
+Accumulator::Light Accumulator::light(std::size_t i, float background) const {
+  const Pixel& p = pixels_[i];
+  if (p.count < 2) return {vec3(0.0f), kInfinity};
   const double n = p.count;
   const auto variance_of_mean = [n](double mean, double sum2) {
     return std::max(sum2 / n - mean * mean, 0.0) / (n - 1.0);
   };
-  double mean = (0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b) / n;
-  double variance = variance_of_mean(mean, p.luminance2);
+  dvec3 mean = dvec3(p.r, p.g, p.b) / n;
+  double variance = variance_of_mean(luminance(mean), p.luminance2);
   if (!through_.empty()) {
     // Mostly a sample has either light or background; which, is part of the noise.
-    const Through& t = through_[index(x, y)];
-    const double mean_through = luminance(t.sum) / n;
-    const auto background = static_cast<double>(reference.background);
-    variance += background * background * variance_of_mean(mean_through, t.luminance2);
-    mean += background * mean_through;
+    const Through& t = through_[i];
+    const auto level = static_cast<double>(background);
+    variance += level * level * variance_of_mean(luminance(t.sum) / n, t.luminance2);
+    mean += level * t.sum / n;
   }
-  const double scale = std::max(mean, 0.05 * static_cast<double>(reference.luminance));
-  return scale > 0.0 ? static_cast<float>(std::sqrt(variance) / scale) : 0.0f;
+  const double of_mean = luminance(mean);
+  return {vec3(mean), of_mean > 0.0 ? static_cast<float>(std::sqrt(variance) / of_mean) : 0.0f};
 }
 
-Accumulator::Reference Accumulator::reference() const {
+float Accumulator::mean_of_what_is_there() const {
+  if (through_.empty()) return 0.0f;
   double sum = 0.0, kept = 0.0;
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const Pixel& p = pixels_[i];
     if (p.count == 0) continue;
-    sum += (0.2126 * p.r + 0.7152 * p.g + 0.0722 * p.b) / p.count;
-    if (!through_.empty()) kept += 1.0 - luminance(through_[i].sum) / p.count;
+    sum += luminance(dvec3(p.r, p.g, p.b)) / p.count;
+    kept += 1.0 - luminance(through_[i].sum) / p.count;
   }
-  return {static_cast<float>(sum / static_cast<double>(pixels_.size())),
-          kept > 0.0 ? static_cast<float>(sum / kept) : 0.0f};
+  return kept > 0.0 ? static_cast<float>(sum / kept) : 0.0f;
+}
+
+float Accumulator::exposure(const DevelopSettings& develop) const {
+  if (develop.exposure) return *develop.exposure;
+  Film film;
+  resolve_beauty(film);
+  return metered_exposure(film);
+}
+
+/// How far apart the means of a pixel's two halves are, over how far they would be if samples were independent:
+/// squared, of the mean. 1 in expectation for those, less for Sobol' points. Negative where nobody knows.
+float Accumulator::gain_of_points(std::size_t i) const {
+  const Pixel& p = pixels_[i];
+  const std::uint32_t first = p.count / (2 * kHalf) * kHalf + std::min(p.count % (2 * kHalf), kHalf);
+  if (first == p.count || first == 0) return -1.0f;
+  const double n = p.count, a = first, b = n - a;
+  const double mean = luminance(dvec3(p.r, p.g, p.b)) / n;
+  const double told = std::max(p.luminance2 / n - mean * mean, 0.0) / (n - 1.0);
+  if (!(told > 1e-12 * mean * mean)) return -1.0f;
+  const auto half = static_cast<double>(half_luminance_[i]);
+  const double apart = half / a - (mean * n - half) / b;
+  return static_cast<float>(apart * apart * a * b / (n * n) / told);
+}
+
+/// The mean of that over a block: of one pixel it says little.
+float Accumulator::gain_of_block(ivec2 corner, ivec2 end) const {
+  float sum = 0.0f, count = 0.0f;
+  for (int y = corner.y; y < end.y; ++y) {
+    for (int x = corner.x; x < end.x; ++x) {
+      const float gain = gain_of_points(index(x, y));
+      if (gain < 0.0f) continue;
+      sum += gain;
+      ++count;
+    }
+  }
+  return count > 0.0f ? std::min(sum / count, 1.0f) : 1.0f;
+}
+
+std::vector<float> Accumulator::shown_errors(const DevelopSettings& develop) const {
+  constexpr int kBlock = 8;  // pixels
+  const Shown shown(develop.tone_curve, exposure(develop));
+  const float background = mean_of_what_is_there();
+  const int columns = (width_ + kBlock - 1) / kBlock, rows = (height_ + kBlock - 1) / kBlock;
+  std::vector<float> errors(pixels_.size());
+  parallel_for(0, static_cast<std::size_t>(columns * rows), 16, [&](std::size_t begin, std::size_t end) {
+    for (int block = static_cast<int>(begin); block < static_cast<int>(end); ++block) {
+      const ivec2 corner = ivec2(block % columns, block / columns) * kBlock;
+      const ivec2 stop = glm::min(corner + kBlock, ivec2(width_, height_));
+      const float scale = std::sqrt(gain_of_block(corner, stop));
+      for (int y = corner.y; y < stop.y; ++y) {
+        for (int x = corner.x; x < stop.x; ++x) {
+          const Light l = light(index(x, y), background);
+          errors[index(x, y)] = shown.error(l.mean, scale * l.relative_error);
+        }
+      }
+    }
+  });
+  return errors;
 }
 
 void Accumulator::resolve_features(DenoisingFeatures& features) const {
-  features.albedo = features.normal = features.seen = features.variance = Image(width_, height_, 3);
+  features.albedo = features.normal = features.variance = Image(width_, height_, 3);
+  features.seen = Image(width_, height_, 4);
   features.albedo_variance = features.normal_variance = Image(width_, height_, 1);
-  Image halves(width_, height_, 1);  // squared error of the mean by the difference of two halves
+  Image halves(width_, height_, 1), halves_seen(width_, height_, 1);  // squared error of the mean by two halves
+  Image seen_variance(width_, height_, 1);
   for (std::size_t i = 0; i < features_.size(); ++i) {
     const Features& f = features_[i];
     const Pixel& p = pixels_[i];
@@ -140,24 +233,35 @@ void Accumulator::resolve_features(DenoisingFeatures& features) const {
       const auto k = 3 * i + static_cast<std::size_t>(c);
       features.albedo.pixels[k] = albedo[c];
       features.normal.pixels[k] = normal[c];
-      features.seen.pixels[k] = seen[c];
+      features.seen.pixels[4 * i + static_cast<std::size_t>(c)] = seen[c];
       // One sample has no variance that one could see: it is as large as what it measures.
       features.variance.pixels[k] =
           p.count > 1 ? variance_of_mean(other[c] * other[c], f.other2[c]) : other[c] * other[c];
     }
     features.albedo_variance.pixels[i] = variance_of_mean(glm::dot(albedo, albedo), f.albedo2) / 3.0f;
     features.normal_variance.pixels[i] = variance_of_mean(glm::dot(normal, normal), f.normal2) / 3.0f;
+    const float level = luminance(seen);
+    seen_variance.pixels[i] = variance_of_mean(level * level, f.seen2);
     const auto first = static_cast<float>(f.count_half), second = static_cast<float>(p.count - f.count_half);
+    halves.pixels[i] = halves_seen.pixels[i] = -1.0f;
     if (second < 1.0f) continue;
     // Of two means that are apart by d the weighted mean errs by d² ab/(a + b)².
     const vec3 apart = f.other_half / first - (other * n - f.other_half) / second;
     halves.pixels[i] = glm::dot(apart, apart) * first * second / (n * n);
+    const float seen_apart = f.seen_half / first - (level * n - f.seen_half) / second;
+    halves_seen.pixels[i] = seen_apart * seen_apart * first * second / (n * n);
   }
   scale_variance(halves, features.variance);
+  constexpr std::uint32_t kFew = 4;
+  std::vector<std::uint8_t> has_few(pixels_.size());
+  std::transform(pixels_.begin(), pixels_.end(), has_few.begin(),
+                 [](const Pixel& p) { return p.count < kFew ? 1 : 0; });
+  raise_variance(has_few, features.variance);
+  scale_variance(halves_seen, seen_variance);
+  for (std::size_t i = 0; i < features_.size(); ++i) features.seen.pixels[4 * i + 3] = seen_variance.pixels[i];
 }
 
-void Accumulator::resolve(Film& film) const {
-  if (!features_.empty()) resolve_features(film.features.emplace());
+void Accumulator::resolve_beauty(Film& film) const {
   film.beauty = Image(width_, height_, 4);
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const Pixel& p = pixels_[i];
@@ -179,6 +283,11 @@ void Accumulator::resolve(Film& film) const {
     }
     set_through(std::move(through), film);
   }
+}
+
+void Accumulator::resolve(Film& film, bool wants_features) const {
+  if (wants_features && !features_.empty()) resolve_features(film.features.emplace());
+  resolve_beauty(film);
   for (std::size_t k = 0; k < mean_layers_.size(); ++k) {
     const Layer layer = mean_layers_[k];
     const int channels = layer_channels(layer);

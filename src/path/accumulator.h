@@ -21,18 +21,13 @@ class Accumulator {
 
   std::uint32_t count(int x, int y) const { return pixel(x, y).count; }
 
-  /// Estimated standard error of the pixel's mean luminance, relative to that mean or, where it is darker, to a
-  /// twentieth of `reference.luminance`. A background that shows through counts as light of `reference.background`.
-  /// Independent samples are assumed: Sobol' points do better than it says.
-  struct Reference {
-    float luminance = 0.0f;   ///< the picture's mean
-    float background = 0.0f;  ///< the mean where there is anything; 0 where no background shows through glass
-  };
-  float relative_error(int x, int y, Reference reference) const;
-  Reference reference() const;
+  /// Estimated standard error of what is shown of each pixel, row by row: Shown::error(), infinite before the second
+  /// sample. A background that shows through glass counts as light of the mean luminance of what is there. The noise of
+  /// luminance speaks for that of all channels. Settings::noise was set.
+  std::vector<float> shown_errors(const DevelopSettings& develop) const;
 
-  /// Mean radiance and layers so far.
-  void resolve(Film& film) const;
+  /// Mean radiance and layers so far, and features where they are wanted and were asked for.
+  void resolve(Film& film, bool wants_features) const;
 
  private:
   struct Pixel {
@@ -44,6 +39,16 @@ class Accumulator {
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
+  struct Light {
+    vec3 mean;
+    float relative_error;  ///< standard error of the mean luminance over that, of independent samples
+  };
+  Light light(std::size_t i, float background) const;
+  float mean_of_what_is_there() const;
+  float exposure(const DevelopSettings& develop) const;
+  float gain_of_points(std::size_t i) const;
+  float gain_of_block(ivec2 corner, ivec2 end) const;
+  void resolve_beauty(Film& film) const;  ///< and what shows through it
   const Pixel& pixel(int x, int y) const { return pixels_[index(x, y)]; }
 
   int width_;
@@ -52,6 +57,7 @@ class Accumulator {
   struct Features {
     vec3 albedo{0.0f}, normal{0.0f}, seen{0.0f};
     float albedo2 = 0.0f, normal2 = 0.0f;  ///< sums over samples and channels of squares
+    float seen2 = 0.0f, seen_half = 0.0f;  ///< of the luminance of what is seen, as below
     vec3 other2{0.0f};                     ///< of what is not seen
     vec3 other_half{0.0f};                 ///< and its sum over those samples whose number has not the bit kHalf
     std::uint32_t count_half = 0;
@@ -60,9 +66,10 @@ class Accumulator {
   static constexpr std::uint32_t kHalf = 8;
   void resolve_features(DenoisingFeatures& features) const;
 
-  std::vector<Features> features_;  ///< empty unless asked for
-  std::vector<Layer> mean_layers_;  ///< those asked for
-  std::vector<vec3> layers_;        ///< of each pixel the sums of these
+  std::vector<float> half_luminance_;  ///< of those samples, for Settings::noise
+  std::vector<Features> features_;     ///< empty unless asked for
+  std::vector<Layer> mean_layers_;     ///< those asked for
+  std::vector<vec3> layers_;           ///< of each pixel the sums of these
   struct Through {
     dvec3 sum{0.0};
     double luminance2 = 0.0;

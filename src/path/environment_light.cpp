@@ -7,41 +7,11 @@
 #include "base/check.h"
 #include "base/large_pages.h"
 #include "scene/environment.h"
+#include "shade/footprint.glsl.h"
 
 namespace candela::path {
 
 namespace {
-
-/// atan(x) for x in [0, 1]; Abramowitz & Stegun 1964, eq. 4.4.49, |error| ≤ 2e-8.
-inline float atan_unit(float x) {
-  const float s = x * x;
-  float p = 0.0028662257f;
-  p = p * s - 0.0161657367f;
-  p = p * s + 0.0429096138f;
-  p = p * s - 0.0752896400f;
-  p = p * s + 0.1065626393f;
-  p = p * s - 0.1420889944f;
-  p = p * s + 0.1999355085f;
-  p = p * s - 0.3333314528f;
-  return x + x * s * p;
-}
-
-/// Angle of (x, y) in [-π, π], as std::atan2; several times faster, which matters for every ray that hits nothing.
-inline float fast_atan2(float y, float x) {
-  const float ax = std::abs(x);
-  const float ay = std::abs(y);
-  const float longer = std::max(ax, ay);
-  if (longer == 0.0f) return 0.0f;
-  float a = atan_unit(std::min(ax, ay) / longer);
-  if (ay > ax) a = 0.5f * kPi - a;
-  if (x < 0.0f) a = kPi - a;
-  return y < 0.0f ? -a : a;
-}
-
-/// Of a direction in the map's space, whose sine to the pole is `sin_theta`.
-inline vec2 map_uv(vec3 d, float sin_theta) {
-  return {0.5f + fast_atan2(d.z, d.x) * (0.5f / kPi), fast_atan2(sin_theta, d.y) * (1.0f / kPi)};
-}
 
 /// Of four texels: top left, top right, bottom left, bottom right.
 template <class Texel>
@@ -138,26 +108,20 @@ void EnvironmentLight::build_distribution() {
 }
 
 inline EnvironmentLight::Footprint EnvironmentLight::locate_uv(vec2 uv) const {
-  const float u = uv.x * static_cast<float>(width_);
-  const float v = uv.y * static_cast<float>(height_);
-  const float fx = std::floor(u - 0.5f);
-  const float fy = std::floor(v - 0.5f);
-  const int x0 = static_cast<int>(fx);
-  const int y0 = static_cast<int>(fy);
+  const shade::FootprintAxis across = shade::footprint_linear(uv.x, width_, shade::kFootprintRepeat);
+  const shade::FootprintAxis down = shade::footprint_linear(uv.y, height_, shade::kFootprintClamp);
   const auto w = static_cast<std::uint32_t>(width_);
-  const auto left = static_cast<std::uint32_t>(x0 < 0 ? x0 + width_ : x0);
-  const auto right = static_cast<std::uint32_t>(x0 + 1 >= width_ ? x0 + 1 - width_ : x0 + 1);
-  const std::uint32_t top = w * static_cast<std::uint32_t>(std::max(y0, 0));
-  const std::uint32_t bottom = w * static_cast<std::uint32_t>(std::min(y0 + 1, height_ - 1));
+  const std::uint32_t top = w * static_cast<std::uint32_t>(down.first);
+  const std::uint32_t bottom = w * static_cast<std::uint32_t>(down.second);
   Footprint f;
-  f.offsets[0] = top + left;
-  f.offsets[1] = top + right;
-  f.offsets[2] = bottom + left;
-  f.offsets[3] = bottom + right;
-  f.tx = u - 0.5f - fx;
-  f.ty = v - 0.5f - fy;
-  f.cell = w * static_cast<std::uint32_t>(std::min(static_cast<int>(v), height_ - 1)) +
-           static_cast<std::uint32_t>(std::min(static_cast<int>(u), width_ - 1));
+  f.offsets[0] = top + static_cast<std::uint32_t>(across.first);
+  f.offsets[1] = top + static_cast<std::uint32_t>(across.second);
+  f.offsets[2] = bottom + static_cast<std::uint32_t>(across.first);
+  f.offsets[3] = bottom + static_cast<std::uint32_t>(across.second);
+  f.tx = across.share;
+  f.ty = down.share;
+  f.cell = w * static_cast<std::uint32_t>(shade::footprint_nearest(uv.y, height_).first) +
+           static_cast<std::uint32_t>(shade::footprint_nearest(uv.x, width_).first);
   __builtin_prefetch(texels_.data() + f.offsets[0]);
   __builtin_prefetch(texels_.data() + f.offsets[2]);
   return f;
@@ -167,7 +131,7 @@ EnvironmentLight::Footprint EnvironmentLight::locate(vec3 world) const {
   if (texels_.empty()) return {};
   const vec3 d = map_from_world(world);
   const float sin_theta = std::sqrt(d.x * d.x + d.z * d.z);
-  Footprint f = locate_uv(map_uv(d, sin_theta));
+  Footprint f = locate_uv(shade::panorama_uv(d, sin_theta));
   f.sin_theta = std::max(sin_theta, 1e-6f);
   return f;
 }
@@ -214,7 +178,7 @@ float EnvironmentLight::contrast(std::span<const vec3> corners, Sight sight) con
   // ----- the texels between the corners, and those that filtering mixes in; columns relative to the middle's
   const auto uv_of = [&](vec3 direction) {
     const vec3 d = map_from_world(direction);
-    return map_uv(d, std::hypot(d.x, d.z));
+    return shade::panorama_uv(d, std::hypot(d.x, d.z));
   };
   const vec2 size(width_, height_);
   const vec2 origin = uv_of(middle) * size;
@@ -256,12 +220,9 @@ vec3 EnvironmentLight::radiance(vec3 direction, const Footprint& footprint) cons
 
 EnvironmentLight::Sample EnvironmentLight::sample(vec2 u) const {
   const Distribution2D::Sample s = distribution_.sample(u);
-  const float phi = (s.uv.x - 0.5f) * 2.0f * kPi;
-  const float theta = s.uv.y * kPi;
-  const float sin_theta = std::max(std::sin(theta), 1e-6f);
-  const vec3 d(sin_theta * std::cos(phi), std::cos(theta), sin_theta * std::sin(phi));
+  const float sin_theta = shade::panorama_sine(s.uv.y);
   Sample sample;
-  sample.direction = glm::normalize(world_from_map(d));
+  sample.direction = world_from_map(shade::panorama_direction(s.uv, sin_theta));
   sample.footprint = locate_uv(s.uv);
   sample.footprint.sin_theta = sin_theta;
   sample.pdf = s.pdf / (2.0f * kPi * kPi * sin_theta);

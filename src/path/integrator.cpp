@@ -71,13 +71,18 @@ struct Meeting {
 /// through a surface.
 bool is_glass(const shade::Surface& surface) { return surface.weight_glass > max_component(surface.diffuse_below); }
 
+LightReceiver receiver_at(const SurfacePoint& point) {
+  using Side = LightReceiver::Side;
+  return {point.position, point.frame.n, shade::surface_scatters_through(point.surface) ? Side::both : Side::front};
+}
+
 /// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance. Where the
 /// background is seen, the environment shines on the near side of glass only.
 template <bool kHasMedia>
 vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& crossing, const SurfacePoint& point,
                   const Meeting& meeting, const LightChances& chances, bool sees_background, float u_choice, vec2 u,
                   RayCounts& counts) {
-  const LightSample light = context.lights.sample(point.position, chances, u_choice, u);
+  const LightSample light = context.lights.sample(chances, u_choice, u);
   if (light.pdf <= 0.0f) return vec3(0.0f);
   const bool is_outside = point.is_outside(light.direction);
   if (!is_outside && !shade::surface_scatters_through(point.surface)) return vec3(0.0f);
@@ -261,10 +266,14 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       LightChances here;
       if (context.lights.can_sample() && !shade::surface_is_delta(point.surface)) {
         LightChances& target = is_straight ? here : chances;
-        context.lights.find_chances(point.position, target);
-        sample.radiance +=
-            walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, target,
-                                                      sees_background, choices.x, u_light, counts);
+        // What the eye sees straight or by mirrors is worth more lamps than what lights it.
+        context.lights.find_chances(receiver_at(point), bsdf_pdf <= 0.0f, target);
+        for (int i = 0; i < target.samples; ++i) {
+          sample.radiance +=
+              walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, target,
+                                                        sees_background, target.choice(i, choices.x),
+                                                        target.place(i, u_light), counts);
+        }
       }
       if (max_component(next.weight) <= 0.0f) break;
       walk.throughput *= next.weight;

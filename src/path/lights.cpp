@@ -56,6 +56,30 @@ float mean_emission(const MeshData& mesh, std::uint32_t triangle) {
   return sum / static_cast<float>(count);
 }
 
+/// The cone that holds all that a profile sends out, in the light's own space.
+struct ProfileCone {
+  vec3 axis;
+  float reach;  ///< radians
+};
+
+ProfileCone profile_cone(const IesProfile& p) {
+  // Between two entries of the table it is linear: dark where both are.
+  const std::size_t count = p.vertical_deg.size();
+  std::size_t first = count, last = 0;
+  for (std::size_t i = 0; i < p.candela.size(); ++i) {
+    if (!(p.candela[i] > 0.0f)) continue;
+    first = std::min(first, i % count);
+    last = std::max(last, i % count);
+  }
+  constexpr float kRoom = 1e-3f;  // for the rounding of angles near 180°
+  const float lowest = first > 0 && first < count ? p.vertical_deg[first - 1] : p.vertical_deg.front();
+  const float highest = p.vertical_deg[std::min(last + 1, count - 1)];
+  const bool is_up = 180.0f - lowest < highest;
+  const vec3 web_axis(0, 0, is_up ? 1 : -1);
+  return {glm::transpose(p.web_from_light) * web_axis,
+          std::min(radians(is_up ? 180.0f - lowest : highest) + kRoom, kPi)};
+}
+
 }  // namespace
 
 Lights::Lights(const Scene& scene, const Environment& environment, Geometry& geometry)
@@ -128,27 +152,17 @@ void Lights::add_triangles(Geometry& geometry) {
   }
 }
 
-/// `first` and `count` in the order: punctual lights, triangles.
-Lights::Source Lights::make_source(std::size_t first, std::size_t count) const {
+Lights::Source Lights::triangle_source(std::size_t first, std::size_t count) const {
   Source source;
   source.first = first;
-  std::vector<float> powers(count);
   Box3 box;
   double power = 0.0;
+  const std::span<const float> powers(triangle_powers_.data() + first, count);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t light = first + i;
-    if (light < punctual_.size()) {
-      powers[i] = punctual_[light].power;
-      box.extend(punctual_[light].position);
-    } else {
-      const std::size_t triangle = light - punctual_.size();
-      powers[i] = triangle_powers_[triangle];
-      if (powers[i] > 0.0f) {
-        const TriangleLight& t = triangles_[triangle];
-        const TrianglePositions p = triangle_positions(geometry_.placement(t.placement), t.triangle);
-        box.extend(p.p0), box.extend(p.p1), box.extend(p.p2);
-      }
-    }
+    if (powers[i] <= 0.0f) continue;
+    const TriangleLight& t = triangles_[first + i];
+    const TrianglePositions p = triangle_positions(geometry_.placement(t.placement), t.triangle);
+    box.extend(p.p0), box.extend(p.p1), box.extend(p.p2);
     power += static_cast<double>(powers[i]);
   }
   if (!(power > 0.0) || !std::isfinite(power)) return source;
@@ -171,89 +185,267 @@ void Lights::make_sources() {
   }
   if (sources_.size() >= LightChances::kMost) throw Error("an environment may have at most 30 suns");
 
-  // ----- what stands in the scene: one by one where they are few, else all in one source by power
-  std::vector<std::size_t> starts;
-  for (std::size_t i = 0; i < punctual_.size(); ++i) starts.push_back(i);
+  // ----- what stands in the scene: one by one where they are few, else in a tree
+  std::vector<std::size_t> starts;  // of the triangles of one placement
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
-    if (i == 0 || triangles_[i].placement != triangles_[i - 1].placement) starts.push_back(punctual_.size() + i);
+    if (i == 0 || triangles_[i].placement != triangles_[i - 1].placement) starts.push_back(i);
   }
-  if (starts.empty()) return;
-  const bool are_few = sources_.size() + starts.size() <= LightChances::kMost;
-  if (!are_few) starts.assign(1, 0);
-  starts.push_back(punctual_.size() + triangles_.size());
+  const bool are_few = sources_.size() + punctual_.size() + starts.size() <= LightChances::kMost;
+  if (!are_few || triangles_matter()) {
+    make_directional_sources();
+    make_tree();
+    return;
+  }
+  for (std::size_t i = 0; i < punctual_.size(); ++i) {
+    if (punctual_[i].power > 0.0f) sources_.push_back({.kind = SourceKind::punctual, .first = i});
+  }
+  starts.push_back(triangles_.size());
   for (std::size_t k = 0; k + 1 < starts.size(); ++k) {
-    Source source = make_source(starts[k], starts[k + 1] - starts[k]);
+    Source source = triangle_source(starts[k], starts[k + 1] - starts[k]);
     if (source.strength <= 0.0f) continue;
-    if (are_few && starts[k] < punctual_.size()) source.kind = SourceKind::punctual;
-    for (std::size_t i = std::max(starts[k], punctual_.size()); i < starts[k + 1]; ++i) {
-      triangles_[i - punctual_.size()].source = static_cast<std::uint32_t>(sources_.size());
+    for (std::size_t i = starts[k]; i < starts[k + 1]; ++i) {
+      triangles_[i].source = static_cast<std::uint32_t>(sources_.size());
     }
     sources_.push_back(std::move(source));
   }
 }
 
+/// Whether so many triangles glow, and so brightly beside what is far away, that choosing among all of a primitive by
+/// power would be the noise of the picture.
+bool Lights::triangles_matter() const {
+  constexpr std::ptrdiff_t kFew = 32;
+  constexpr float kLeastShare = 0.1f;
+  const auto glows = [](float power) { return power > 0.0f; };
+  if (std::count_if(triangle_powers_.begin(), triangle_powers_.end(), glows) <= kFew) return false;
+  double power = 0.0, distant = 0.0;
+  for (const float p : triangle_powers_) power += static_cast<double>(p);
+  for (const Source& source : sources_) distant += static_cast<double>(source.strength);
+  for (const PunctualLight& light : punctual_) {
+    if (light.lamp.kind == shade::kDirectionalLight) distant += static_cast<double>(light.power);
+  }
+  // At half the way from the middle of the scene to its corners.
+  const auto distance = static_cast<double>(0.25f * glm::length(geometry_.bounds().size()));
+  return power / (4.0 * M_PI * distance * distance) > static_cast<double>(kLeastShare) * distant;
+}
+
+/// Lamps without a place can be in no tree: each is a source, or all are one where they would leave too little of the
+/// chances to the tree.
+void Lights::make_directional_sources() {
+  constexpr std::size_t kForTree = LightChances::kMost / 2;
+  std::vector<float> illuminances(punctual_.size());
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < punctual_.size(); ++i) {
+    if (punctual_[i].lamp.kind != shade::kDirectionalLight || !(punctual_[i].power > 0.0f)) continue;
+    illuminances[i] = punctual_[i].power;
+    ++count;
+  }
+  if (count == 0) return;
+  if (sources_.size() + count > LightChances::kMost - kForTree) {
+    Source source{.kind = SourceKind::directional};
+    source.choice = Distribution1D(illuminances);
+    source.strength = static_cast<float>(std::min(source.choice.total(), static_cast<double>(kMostPower)));
+    sources_.push_back(std::move(source));
+    return;
+  }
+  for (std::size_t i = 0; i < punctual_.size(); ++i) {
+    if (illuminances[i] > 0.0f) sources_.push_back({.kind = SourceKind::punctual, .first = i});
+  }
+}
+
+LightBounds Lights::bounds_of(const PunctualLight& light) const {
+  LightBounds bounds;
+  if (light.lamp.kind == shade::kSpotLight) {
+    bounds = cone_light_bounds(light.position, light.lamp.direction, std::acos(light.lamp.cos_inner),
+                               std::acos(light.lamp.cos_outer), light.power);
+  } else if (light.ies != nullptr) {
+    const ProfileCone cone = profile_cone(*light.ies);
+    const vec3 z = -light.lamp.direction;
+    const vec3 y = glm::cross(z, light.lamp.across) * light.lamp.handedness;
+    bounds =
+        cone_light_bounds(light.position, mat3(light.lamp.across, y, z) * cone.axis, 0.0f, cone.reach, light.power);
+  } else {
+    bounds.box.extend(light.position);
+    bounds.power = light.power;
+    const bool is_endless = light.lamp.falloff == shade::kFalloffGltf && light.lamp.range == kInfinity;
+    bounds.is_exact = is_endless || light.lamp.falloff == shade::kFalloffInverseSquare;
+  }
+  switch (light.lamp.falloff) {
+    case shade::kFalloffGltf:
+    case shade::kFalloffUe4:
+      bounds.range = light.lamp.range;
+      break;
+    case shade::kFalloffPolynomial: {
+      // The inverse square that agrees at a typical distance.
+      const float distance = std::max(0.25f * glm::length(geometry_.bounds().size()), 1e-3f);
+      bounds.power *= distance * distance * shade::light_falloff_polynomial(distance, light.lamp.polynomial);
+      break;
+    }
+    default:
+      break;
+  }
+  bounds.power = std::clamp(bounds.power, 1e-30f, kMostPower);
+  return bounds;
+}
+
+LightBounds Lights::bounds_of(const TriangleLight& light, float power) const {
+  const Placement& placement = geometry_.placement(light.placement);
+  const TrianglePositions p = triangle_positions(placement, light.triangle);
+  const vec3 normal = glm::normalize(glm::cross(p.p1 - p.p0, p.p2 - p.p0));
+  if (!std::isfinite(normal.x + normal.y + normal.z)) {
+    // Too small for a direction.
+    LightBounds bounds = triangle_light_bounds(p.p0, p.p1, p.p2, vec3(0, 0, 1), false, power);
+    bounds.cos_spread = -1.0f;
+    return bounds;
+  }
+  return triangle_light_bounds(p.p0, p.p1, p.p2, placement.is_mirrored ? -normal : normal,
+                               placement.mesh->material->factors.double_sided, power);
+}
+
+/// Of everything with a place.
+void Lights::make_tree() {
+  for (std::uint32_t i = 0; i < punctual_.size(); ++i) {
+    const bool has_place = punctual_[i].lamp.kind != shade::kDirectionalLight;
+    if (has_place && punctual_[i].power > 0.0f) tree_lights_.push_back(i);
+  }
+  const auto first = static_cast<std::uint32_t>(punctual_.size());
+  for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+    if (triangle_powers_[i] > 0.0f) tree_lights_.push_back(first + i);
+  }
+  std::vector<LightBounds> bounds(tree_lights_.size());
+  parallel_for(0, bounds.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t light = tree_lights_[i];
+      bounds[i] = light < first ? bounds_of(punctual_[light])
+                                : bounds_of(triangles_[light - first], triangle_powers_[light - first]);
+    }
+  });
+  tree_ = LightTree(bounds);
+  for (std::uint32_t i = 0; i < tree_lights_.size(); ++i) {
+    if (tree_lights_[i] >= first) triangles_[tree_lights_[i] - first].source = tree_.rank(i);
+  }
+}
+
+/// As sample_punctual() has it, times the cosine.
+float Lights::irradiance(const PunctualLight& p, const LightReceiver& receiver) const {
+  if (p.lamp.kind == shade::kDirectionalLight) {
+    return luminance(p.intensity) * receiver.facing(-glm::dot(receiver.normal, p.lamp.direction));
+  }
+  const vec3 to_light = p.position - receiver.position;
+  const float distance = glm::length(to_light);
+  if (!(distance > 0.0f)) return 0.0f;
+  const vec3 direction = to_light / distance;
+  const float facing = receiver.facing(glm::dot(receiver.normal, direction));
+  if (facing <= 0.0f) return 0.0f;
+  float intensity = luminance(p.intensity) * shade::light_left(p.lamp, direction, distance);
+  if (p.ies != nullptr && intensity > 0.0f) intensity *= ies_intensity(*p.ies, shade::light_local(p.lamp, direction));
+  return intensity * facing;
+}
+
 /// Estimate that steers the choice alone. It is 0 only where the source really gives nothing.
-float Lights::irradiance(const Source& source, vec3 position) const {
+float Lights::irradiance(const Source& source, const LightReceiver& receiver) const {
   switch (source.kind) {
     case SourceKind::map:
-    case SourceKind::sun:
+    case SourceKind::directional:
       return source.strength;
-    case SourceKind::punctual: {
-      const LightSample s = sample_punctual(punctual_[source.first], position);
-      return luminance(s.radiance);
+    case SourceKind::sun: {
+      // Some of the disc may be above the horizon: cos(θ - r) ≤ cos θ + sin r + (1 - cos r).
+      const auto& sun = environment_.suns()[source.first];
+      const float reach = std::sqrt(sun.sin2_radius) + sun.solid_angle / (2.0f * kPi);
+      return source.strength * receiver.facing(std::min(glm::dot(receiver.normal, sun.frame.n) + reach, 1.0f));
     }
+    case SourceKind::punctual:
+      return irradiance(punctual_[source.first], receiver);
     case SourceKind::many: {
-      const vec3 d = source.center - position;
+      const vec3 d = source.center - receiver.position;
       return source.strength / std::max(glm::dot(d, d), source.least_distance2);
     }
   }
   return 0.0f;
 }
 
-void Lights::find_chances(vec3 position, LightChances& chances) const {
-  if (sources_.size() == 1) {
+void Lights::find_chances(const LightReceiver& receiver, bool is_seen, LightChances& chances) const {
+  chances.receiver = receiver;
+  chances.samples = 1;
+  chances.tree.size = 0;
+  if (tree_.empty() && sources_.size() == 1) {
     chances.pmf[0] = 1.0f;
     return;
   }
   float sum = 0.0f;
   for (std::size_t i = 0; i < sources_.size(); ++i) {
-    chances.pmf[i] = irradiance(sources_[i], position);
+    chances.pmf[i] = irradiance(sources_[i], receiver);
     sum += chances.pmf[i];
+  }
+  if (!tree_.empty()) {
+    const auto exact = [this](std::uint32_t lamp, const LightReceiver& at) { return leaf_irradiance(lamp, at); };
+    tree_.find_cut(receiver, is_seen ? LightTree::Cut::kMost : LightTree::Cut::kMost / 2, exact, chances.tree);
+    float by_tree = 0.0f;
+    for (std::size_t i = 0; i < chances.tree.size; ++i) by_tree += chances.tree.share[i];
+    sum += by_tree;
+    constexpr float kMore = 3.0f;  // samples, where there is nothing but the tree
+    if (is_seen && sum > 0.0f) chances.samples = 1 + static_cast<int>(kMore * (by_tree / sum) + 0.5f);
   }
   const float scale = sum > 0.0f ? 1.0f / sum : 0.0f;
   for (std::size_t i = 0; i < sources_.size(); ++i) chances.pmf[i] *= scale;
+  for (std::size_t i = 0; i < chances.tree.size; ++i) chances.tree.share[i] *= scale;
 }
 
-LightSample Lights::sample(vec3 position, const LightChances& chances, float u_choice, vec2 u) const {
+LightSample Lights::sample(const LightChances& chances, float u_choice, vec2 u) const {
   // ----- a source; what is left of u_choice chooses inside it
+  const std::size_t count = sources_.size();
   std::size_t index = 0;
-  while (index + 1 < sources_.size() && u_choice >= chances.pmf[index]) u_choice -= chances.pmf[index++];
+  while (index < count && u_choice >= chances.pmf[index]) u_choice -= chances.pmf[index++];
+  if (index == count && chances.tree.size > 0) return sample_tree(chances, u_choice, u);
+  if (count == 0) return {};
+  index = std::min(index, count - 1);  // what rounding left of the chances is the last one's
   const float chance = chances.pmf[index];
   if (chance <= 0.0f) return {};
-  const Source& source = sources_[index];
-  const float u_inside = std::min(u_choice / chance, 0x1.fffffep-1f);
+  LightSample s =
+      sample_source(sources_[index], chances.receiver.position, std::min(u_choice / chance, 0x1.fffffep-1f), u);
+  s.pdf *= chance * static_cast<float>(chances.samples);
+  return s;
+}
 
-  LightSample s;
+LightSample Lights::sample_source(const Source& source, vec3 position, float u_choice, vec2 u) const {
   switch (source.kind) {
     case SourceKind::map:
-      s = sample_environment(u);
-      break;
+      return sample_environment(u);
     case SourceKind::sun:
-      s = sample_sun(environment_.suns()[source.first], u);
-      break;
+      return sample_sun(environment_.suns()[source.first], u);
     case SourceKind::punctual:
-      s = sample_punctual(punctual_[source.first], position);
-      break;
-    case SourceKind::many: {
-      const Distribution1D::Sample choice = source.choice.sample(u_inside);
-      const std::size_t light = source.first + static_cast<std::size_t>(choice.index);
-      s = light < punctual_.size() ? sample_punctual(punctual_[light], position)
-                                   : sample_triangle(triangles_[light - punctual_.size()], position, u);
+      return sample_punctual(punctual_[source.first], position);
+    case SourceKind::directional: {
+      const Distribution1D::Sample choice = source.choice.sample(u_choice);
+      LightSample s = sample_punctual(punctual_[static_cast<std::size_t>(choice.index)], position);
       s.pdf *= choice.pmf;
-      break;
+      return s;
+    }
+    case SourceKind::many: {
+      const Distribution1D::Sample choice = source.choice.sample(u_choice);
+      LightSample s = sample_triangle(triangles_[source.first + static_cast<std::size_t>(choice.index)], position, u);
+      s.pdf *= choice.pmf;
+      return s;
     }
   }
-  s.pdf *= chance;
+  return {};
+}
+
+LightSample Lights::sample_tree(const LightChances& chances, float u_choice, vec2 u) const {
+  const LightTree::Cut& cut = chances.tree;
+  std::size_t index = 0;
+  while (index + 1 < cut.size && u_choice >= cut.share[index]) u_choice -= cut.share[index++];
+  const float chance = cut.share[index];
+  if (chance <= 0.0f) return {};
+  const auto exact = [this](std::uint32_t lamp, const LightReceiver& at) { return leaf_irradiance(lamp, at); };
+  const LightReceiver& receiver = chances.receiver;
+  const LightTree::Choice choice =
+      tree_.choose(cut.nodes[index], receiver, std::min(u_choice / chance, 0x1.fffffep-1f), exact);
+  if (choice.pmf <= 0.0f) return {};
+  const std::uint32_t light = tree_lights_[choice.lamp];
+  LightSample s = light < punctual_.size()
+                      ? sample_punctual(punctual_[light], receiver.position)
+                      : sample_triangle(triangles_[light - punctual_.size()], receiver.position, u);
+  s.pdf *= choice.pmf * chance * static_cast<float>(chances.samples);
   return s;
 }
 
@@ -331,11 +523,12 @@ vec3 Lights::escaped_radiance(vec3 direction, const EnvironmentLight::Footprint&
   const EnvironmentLight::Value value = environment_.read(footprint);
   vec3 radiance = value.radiance;
   std::size_t source = 0;
+  const auto samples = static_cast<float>(chances.samples);
   if (environment_.can_sample()) {
-    radiance *= mis_weight(bsdf_pdf, value.pdf * chances.pmf[source++], kEnvironmentMisPower);
+    radiance *= mis_weight(bsdf_pdf, value.pdf * samples * chances.pmf[source++], kEnvironmentMisPower);
   }
   for (const auto& sun : environment_.suns()) {
-    const float chance = chances.pmf[source++];
+    const float chance = samples * chances.pmf[source++];
     if (!sun.contains(direction)) continue;
     radiance += sun.radiance * mis_weight(bsdf_pdf, chance / sun.solid_angle, kAreaMisPower);
   }
@@ -346,9 +539,19 @@ float Lights::triangle_pdf(int light, const LightChances& chances, float distanc
   const TriangleLight& triangle = triangles_[static_cast<std::size_t>(light)];
   if (cos_light <= 0.0f || triangle.area <= 0.0f || triangle_powers_[static_cast<std::size_t>(light)] <= 0.0f)
     return 0.0f;
-  const Source& source = sources_[triangle.source];
-  const int index = light + static_cast<int>(punctual_.size()) - static_cast<int>(source.first);
-  return chances.pmf[triangle.source] * source.choice.pmf(index) * distance * distance / (triangle.area * cos_light);
+  const float density = static_cast<float>(chances.samples) * distance * distance / (triangle.area * cos_light);
+  if (tree_.empty()) {
+    const Source& source = sources_[triangle.source];
+    const int index = light - static_cast<int>(source.first);
+    return chances.pmf[triangle.source] * source.choice.pmf(index) * density;
+  }
+  const auto exact = [this](std::uint32_t lamp, const LightReceiver& at) { return leaf_irradiance(lamp, at); };
+  const LightTree::Cut& cut = chances.tree;
+  for (std::size_t i = 0; i < cut.size; ++i) {
+    if (!tree_.holds(cut.nodes[i], triangle.source)) continue;
+    return cut.share[i] * tree_.pmf(cut.nodes[i], chances.receiver, triangle.source, exact) * density;
+  }
+  return 0.0f;
 }
 
 }  // namespace candela::path

@@ -4,6 +4,7 @@
 
 #include "path/environment_light.h"
 #include "path/geometry.h"
+#include "path/light_tree.h"
 #include "shade/lights.glsl.h"
 
 namespace candela::path {
@@ -14,7 +15,9 @@ struct LightSample {
   float distance = kInfinity;
   vec3 target{0.0f};    ///< where a shadow ray ends when `distance` is finite: the lamp, or just before its surface
   vec3 radiance{0.0f};  ///< of a delta light: irradiance on a surface that faces it; of the map: see Lights::radiance
-  float pdf = 0.0f;  ///< per solid angle, with the chance of this light; of a delta light that chance alone; 0 = none
+  /// Per solid angle, with the chance of this light and times LightChances::samples; of a delta light without the solid
+  /// angle; 0 = none.
+  float pdf = 0.0f;
   bool is_delta = false;
   float mis_power = 1.0f;  ///< exponent of the heuristic for this kind of light
   bool is_map = false;     ///< `footprint` holds where its radiance stands
@@ -36,23 +39,42 @@ inline float mis_weight(float a, float b, float power) {
 inline constexpr float kEnvironmentMisPower = 1.0f;
 inline constexpr float kAreaMisPower = 2.0f;
 
-/// How likely each source is chosen at one point of the scene.
+/// How likely each source is chosen at one point of the scene, and each part of the tree.
 struct LightChances {
   static constexpr std::size_t kMost = 32;
-  std::array<float, kMost> pmf;  ///< one per source, sum 1, or all 0 where no light can come from
+  LightReceiver receiver;
+  std::array<float, kMost>
+      pmf;              ///< one per source; with those of the tree sum 1, or all 0 where no light can come from
+  LightTree::Cut tree;  ///< `share` is a pmf here
+  /// How many lights the receiver samples. Densities are those of all together, so that their sum is the estimate.
+  int samples = 1;
+
+  /// Of sample `i`: `u`, the same for all, gives each its stratum of the lights and its point on them.
+  float choice(int i, float u) const {
+    return samples == 1 ? u : (static_cast<float>(i) + u) / static_cast<float>(samples);
+  }
+  static vec2 place(int i, vec2 u) {
+    // Additive recurrence by the powers of 1 / 1.3247…, the real root of x³ = x + 1.
+    const vec2 moved = u + static_cast<float>(i) * vec2(0.7548777f, 0.5698403f);
+    return i == 0 ? u : glm::min(moved - glm::floor(moved), vec2(0x1.fffffep-1f));
+  }
+
+  LightChances() {}  // NOLINT(modernize-use-equals-default): the array is left as it is
 };
 
 /// Every light in the scene, in sources: the map, a sun, a punctual light, the emissive triangles of one primitive. A
 /// source is chosen by an estimate of its irradiance at the point in question (its power over the squared distance), a
-/// triangle of it by power.
+/// triangle of it by power. Where these are too many, or the triangles, all that stand at a place are in a tree.
 class Lights {
  public:
   /// Numbers the emissive triangles in `geometry`. `scene` must outlive this.
   Lights(const Scene& scene, const Environment& environment, Geometry& geometry);
 
-  bool can_sample() const { return !sources_.empty(); }
-  void find_chances(vec3 position, LightChances& chances) const;
-  LightSample sample(vec3 position, const LightChances& chances, float u_choice, vec2 u) const;
+  bool can_sample() const { return !sources_.empty() || !tree_.empty(); }
+  /// `is_seen`: the receiver is what the picture shows, and not only what lights that.
+  void find_chances(const LightReceiver& receiver, bool is_seen, LightChances& chances) const;
+  /// One of chances.samples for their receiver.
+  LightSample sample(const LightChances& chances, float u_choice, vec2 u) const;
   /// Starts the memory access that sample(…, u) is likely to wait for.
   void prefetch(vec2 u) const {
     if (environment_.can_sample()) environment_.prefetch_sample(u);
@@ -83,7 +105,7 @@ class Lights {
     std::int32_t placement = -1;
     std::uint32_t triangle = 0;
     float area = 0.0f;
-    std::uint32_t source = 0;
+    std::uint32_t source = 0;  ///< in the tree: its rank
   };
   struct PunctualLight {
     vec3 position{0.0f};
@@ -92,22 +114,35 @@ class Lights {
     const IesProfile* ies = nullptr;
     float power = 0.0f;  ///< lumens; of a directional light lux
   };
-  enum class SourceKind { map, sun, punctual, many };
+  enum class SourceKind { map, sun, punctual, directional, many };
   struct Source {
     SourceKind kind = SourceKind::many;
-    std::size_t first = 0;  ///< sun or punctual light; of `many` the first in the order punctual lights, triangles
+    /// Sun or punctual light; of `many` the first triangle; of `directional`, all of them, nothing.
+    std::size_t first = 0;
     float strength = 0.0f;  ///< irradiance of what is far away, power / 4π of what is near
     vec3 center{0.0f};
     float least_distance2 = 0.0f;
-    Distribution1D choice = {};  ///< of `many`: by power
+    Distribution1D choice = {};  ///< of `many` and `directional`: by power
   };
 
   static PunctualLight place(const Scene& scene, const Node& node);
   void add_punctual(const Scene& scene);
   void add_triangles(Geometry& geometry);
   void make_sources();
-  Source make_source(std::size_t first, std::size_t count) const;
-  float irradiance(const Source& source, vec3 position) const;
+  Source triangle_source(std::size_t first, std::size_t count) const;
+  bool triangles_matter() const;
+  void make_directional_sources();
+  void make_tree();
+  LightBounds bounds_of(const PunctualLight& light) const;
+  LightBounds bounds_of(const TriangleLight& light, float power) const;
+  float irradiance(const Source& source, const LightReceiver& receiver) const;
+  float irradiance(const PunctualLight& light, const LightReceiver& receiver) const;
+  /// Of a punctual lamp of the tree that is alone in its leaf.
+  float leaf_irradiance(std::uint32_t lamp, const LightReceiver& receiver) const {
+    return irradiance(punctual_[tree_lights_[lamp]], receiver);
+  }
+  LightSample sample_source(const Source& source, vec3 position, float u_choice, vec2 u) const;
+  LightSample sample_tree(const LightChances& chances, float u_choice, vec2 u) const;
   LightSample sample_environment(vec2 u) const;
   LightSample sample_sun(const EnvironmentLight::Sun& sun, vec2 u) const;
   LightSample sample_punctual(const PunctualLight& light, vec3 position) const;
@@ -118,7 +153,9 @@ class Lights {
   std::vector<PunctualLight> punctual_;
   std::vector<TriangleLight> triangles_;
   std::vector<float> triangle_powers_;
-  std::vector<Source> sources_;  ///< the map (if it can be sampled), the suns, then the others
+  std::vector<Source> sources_;             ///< the map (if it can be sampled), the suns, then the others
+  LightTree tree_;                          ///< of all that stand at a place, where they are too many for sources
+  std::vector<std::uint32_t> tree_lights_;  ///< its lamps, in the order punctual lights, triangles
 };
 
 }  // namespace candela::path

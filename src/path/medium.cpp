@@ -15,10 +15,4 @@ vec3 single_scatter_albedo(vec3 multiscatter, float g) {
   return glm::clamp(result, vec3(0.0f), vec3(1.0f));
 }
 
-float sample_henyey_greenstein(float g, float u) {
-  if (std::abs(g) < 1e-3f) return 1.0f - 2.0f * u;
-  const float t = (1.0f - g * g) / (1.0f + g - 2.0f * g * u);
-  return glm::clamp((1.0f + g * g - t * t) / (2.0f * g), -1.0f, 1.0f);
-}
-
 }  // namespace candela::path

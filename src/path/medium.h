@@ -4,6 +4,7 @@
 
 #include "math/sobol.h"
 #include "math/types.h"
+#include "shade/medium.glsl.h"
 
 namespace candela::path {
 
@@ -17,16 +18,13 @@ struct Medium {
   bool absorbs = false;     ///< extinction above 0 somewhere
   bool scatters = false;
 
-  vec3 transmittance(float distance) const { return glm::exp(-extinction * distance); }
+  vec3 transmittance(float distance) const { return shade::medium_transmittance(extinction, distance); }
 };
 
 /// Single-scattering albedo of a medium that as a deep layer reflects `multiscatter` of diffuse light. Kulla & Conty
 /// 2017, "Revisiting Physically Based Shading at Imageworks", p. 62, as the draft extension prints it; with a phase
 /// function of mean cosine g by similarity: the reduced albedo (1 - g) a / (1 - g a) is the isotropic one.
 vec3 single_scatter_albedo(vec3 multiscatter, float g);
-
-/// Cosine between the way before and after scattering, of density p(cos). Henyey & Greenstein 1941, inverted.
-float sample_henyey_greenstein(float g, float u);
 
 /// The bodies that a path is inside of, in the order in which it entered; what was entered last is what it is in.
 /// Bodies that overlap a little, as liquids do with their glass, need no priorities that way.

@@ -152,7 +152,7 @@ class Picture::Impl {
   }
 
   void trace(std::uint32_t limit, const Job& job);
-  Film film() const;
+  Film film(bool has_features) const;
   Statistics statistics() const;
 
  private:
@@ -317,24 +317,15 @@ void Picture::Impl::find_empty() {
 /// A pixel stops when it and its eight neighbours are below the target: a lone pixel that has met no highlight yet must
 /// not freeze beside one that has.
 void Picture::Impl::find_converged() {
-  const Accumulator::Reference reference = accumulator_.reference();
+  const std::vector<float> errors = accumulator_.shown_errors(settings_.develop);
   const auto w = static_cast<std::size_t>(settings_.width);
-  std::vector<std::uint8_t> good(pixel_count());
-  parallel_for(0, static_cast<std::size_t>(settings_.height), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t y = begin; y < end; ++y) {
-      for (std::size_t x = 0; x < w; ++x) {
-        good[y * w + x] =
-            accumulator_.relative_error(static_cast<int>(x), static_cast<int>(y), reference) < *settings_.noise;
-      }
-    }
-  });
   converged_count_ = 0;
   for (int y = 0; y < settings_.height; ++y) {
     for (int x = 0; x < settings_.width; ++x) {
       bool all = true;
       for (int j = std::max(y - 1, 0); j <= std::min(y + 1, settings_.height - 1); ++j) {
         for (int i = std::max(x - 1, 0); i <= std::min(x + 1, settings_.width - 1); ++i) {
-          all = all && good[static_cast<std::size_t>(j) * w + static_cast<std::size_t>(i)] != 0;
+          all = all && errors[static_cast<std::size_t>(j) * w + static_cast<std::size_t>(i)] < *settings_.noise;
         }
       }
       converged_[static_cast<std::size_t>(y) * w + static_cast<std::size_t>(x)] = all ? 1 : 0;
@@ -344,15 +335,11 @@ void Picture::Impl::find_converged() {
 }
 
 NoiseReached Picture::Impl::noise_reached() const {
-  const Accumulator::Reference reference = accumulator_.reference();
   NoiseReached reached;
   std::size_t above = 0;
-  for (int y = 0; y < settings_.height; ++y) {
-    for (int x = 0; x < settings_.width; ++x) {
-      const float error = accumulator_.relative_error(x, y, reference);
-      reached.worst = std::max(reached.worst, error);
-      above += error < *settings_.noise ? 0 : 1;
-    }
+  for (const float error : accumulator_.shown_errors(settings_.develop)) {
+    reached.worst = std::max(reached.worst, error);
+    above += error < *settings_.noise ? 0 : 1;
   }
   reached.share_above = static_cast<double>(above) / static_cast<double>(pixel_count());
   return reached;
@@ -377,7 +364,7 @@ void Picture::Impl::report(const Job& job) {
     job.progress(p);
   }
   if (job.partial && partial_watch_.seconds() >= job.partial_interval_s) {
-    job.partial(film());
+    job.partial(film(false));
     partial_watch_ = {};
   }
 }
@@ -493,9 +480,9 @@ void Picture::Impl::trace_centre_layers(Film& film) const {
   });
 }
 
-Film Picture::Impl::film() const {
+Film Picture::Impl::film(bool has_features) const {
   Film film;
-  accumulator_.resolve(film);
+  accumulator_.resolve(film, has_features);
   trace_centre_layers(film);
   return film;
 }
@@ -516,8 +503,8 @@ void check_built() {}
 
 std::uint64_t picture_bytes(const Settings& settings) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
-  const std::uint64_t flags = settings.noise ? 3 : 2;  // who is empty, has converged, and is good in itself
-  return pixels * (Accumulator::bytes_per_pixel(settings) + flags +
+  constexpr std::uint64_t kFlags = 2;  // who is empty, and has converged
+  return pixels * (Accumulator::bytes_per_pixel(settings) + kFlags +
                    film_bytes_per_pixel(settings.layers, settings.has_features));
 }
 
@@ -545,7 +532,7 @@ Picture::~Picture() = default;
 void Picture::trace(int samples, const Job& job) {
   impl_->trace(static_cast<std::uint32_t>(std::max(samples, 0)), job);
 }
-Film Picture::film() const { return impl_->film(); }
+Film Picture::film() const { return impl_->film(true); }
 Statistics Picture::statistics() const { return impl_->statistics(); }
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "image/develop.h"
 #include "image/film.h"
 #include "image/job.h"
 #include "scene/scene.h"
@@ -28,8 +29,11 @@ struct Settings {
   int height = 720;
   int samples = 64;                      ///< per pixel; with a limit below, the most that a pixel may take
   std::optional<double> time_limit_s{};  ///< stop after about this long
-  std::optional<float> noise{};          ///< stop a pixel when its estimated relative error is below this, e.g. 0.01
-  int bounces = 8;                       ///< surfaces that scatter along a path; 1 is direct light only
+  /// Stop a pixel when the standard error of what a display shows of it is estimated below this: Shown::error(), from 0
+  /// (black) to 1 (white), after the exposure and tone curve of `develop`; e.g. 0.01 is 2.6 code values of 255.
+  std::optional<float> noise{};
+  DevelopSettings develop{};  ///< for `noise` alone; an empty exposure is metered from the picture so far
+  int bounces = 8;            ///< surfaces that scatter along a path; 1 is direct light only
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::box;
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
@@ -43,13 +47,14 @@ struct Settings {
   /// False: camera rays that miss the scene see the environment that lights it, not its backdrop.
   bool sees_backdrop = true;
   std::set<Layer> layers{};
-  bool has_features = false;  ///< the film has what a denoiser asks for; Integrator::full only
+  /// The film has what a denoiser asks for; pictures of Job::partial do not. Integrator::full only.
+  bool has_features = false;
 };
 
 /// How close a picture came to Settings::noise.
 struct NoiseReached {
-  double share_above = 0.0;  ///< of the pixels whose estimated relative error is above it
-  float worst = 0.0f;        ///< largest error of a pixel; infinite if a pixel has one sample
+  double share_above = 0.0;  ///< of the pixels whose estimated error is above it
+  float worst = 0.0f;        ///< largest error of a pixel, of the display's range; infinite if a pixel has one sample
 };
 
 struct Statistics {
@@ -110,7 +115,8 @@ class Picture {
 
   /// Traces until every pixel has `samples`, or as many as Settings::noise requires; existing samples count, also those
   /// of a stopped pass. The picture is the same as from one call with as many samples. Settings::time_limit_s applies
-  /// to each call; Settings::samples is ignored.
+  /// to each call; Settings::samples is ignored. What a callback of the job throws arrives here, and the picture can be
+  /// continued; after std::bad_alloc it cannot.
   void trace(int samples, const Job& job = {});
 
   /// The picture so far.

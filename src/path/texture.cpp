@@ -3,10 +3,15 @@
 #include <cstring>
 
 #include "shade/color.glsl.h"
+#include "shade/footprint.glsl.h"
 
 namespace candela::path {
 
 namespace {
+
+static_assert(static_cast<int>(Wrap::repeat) == shade::kFootprintRepeat);
+static_assert(static_cast<int>(Wrap::clamp_to_edge) == shade::kFootprintClamp);
+static_assert(static_cast<int>(Wrap::mirrored_repeat) == shade::kFootprintMirror);
 
 template <class F>
 std::array<float, 256> make_table(F decode) {
@@ -53,55 +58,26 @@ inline vec4 TextureReader::texel(std::uint32_t offset) const {
   return v;
 }
 
-/// Into [0, 1]; mirrored repeat is a triangle wave. Infinite coordinates and NaN become 0: max(0, NaN) is 0 in this
-/// order.
-inline float TextureReader::wrap_unit(float t, Wrap wrap) {
-  switch (wrap) {
-    case Wrap::repeat:
-      return glm::max(0.0f, t - std::floor(t));
-    case Wrap::clamp_to_edge:
-      return glm::min(glm::max(0.0f, t), 1.0f);
-    case Wrap::mirrored_repeat: {
-      const float m = glm::max(0.0f, t - 2.0f * std::floor(0.5f * t));
-      return m > 1.0f ? 2.0f - m : m;
-    }
-  }
-  return t;
-}
-
-inline int TextureReader::wrap_index(int i, int size, Wrap wrap) const {
-  if (i >= 0 && i < size) return i;
-  if (wrap == Wrap::repeat) return i < 0 ? i + size : i - size;
-  return i < 0 ? 0 : size - 1;
-}
-
 TextureReader::Footprint TextureReader::locate(vec2 uv) const {
   if (!is_identity_) uv = slot_.apply(uv);
-  const float x = wrap_unit(uv.x, wrap_u_) * static_cast<float>(width_);
-  const float y = wrap_unit(uv.y, wrap_v_) * static_cast<float>(height_);
-  Footprint f;
-  int x0 = glm::min(static_cast<int>(x), width_ - 1);
-  int y0 = glm::min(static_cast<int>(y), height_ - 1);
-  int x1 = x0;
-  int y1 = y0;
-  f.tx = f.ty = 0.0f;
+  const float x = shade::footprint_unit(uv.x, static_cast<int>(wrap_u_));
+  const float y = shade::footprint_unit(uv.y, static_cast<int>(wrap_v_));
+  shade::FootprintAxis across = shade::footprint_nearest(x, width_);
+  shade::FootprintAxis down = shade::footprint_nearest(y, height_);
   if (filter_ == Filter::linear) {
-    const float fx = std::floor(x - 0.5f);
-    const float fy = std::floor(y - 0.5f);
-    f.tx = x - 0.5f - fx;
-    f.ty = y - 0.5f - fy;
-    x0 = wrap_index(static_cast<int>(fx), width_, wrap_u_);
-    y0 = wrap_index(static_cast<int>(fy), height_, wrap_v_);
-    x1 = wrap_index(static_cast<int>(fx) + 1, width_, wrap_u_);
-    y1 = wrap_index(static_cast<int>(fy) + 1, height_, wrap_v_);
+    across = shade::footprint_linear(x, width_, static_cast<int>(wrap_u_));
+    down = shade::footprint_linear(y, height_, static_cast<int>(wrap_v_));
   }
   const auto w = static_cast<std::uint32_t>(width_);
-  const std::uint32_t top = static_cast<std::uint32_t>(y0) * w;
-  const std::uint32_t bottom = static_cast<std::uint32_t>(y1) * w;
-  f.offsets[0] = top + static_cast<std::uint32_t>(x0);
-  f.offsets[1] = top + static_cast<std::uint32_t>(x1);
-  f.offsets[2] = bottom + static_cast<std::uint32_t>(x0);
-  f.offsets[3] = bottom + static_cast<std::uint32_t>(x1);
+  const std::uint32_t top = static_cast<std::uint32_t>(down.first) * w;
+  const std::uint32_t bottom = static_cast<std::uint32_t>(down.second) * w;
+  Footprint f;
+  f.tx = across.share;
+  f.ty = down.share;
+  f.offsets[0] = top + static_cast<std::uint32_t>(across.first);
+  f.offsets[1] = top + static_cast<std::uint32_t>(across.second);
+  f.offsets[2] = bottom + static_cast<std::uint32_t>(across.first);
+  f.offsets[3] = bottom + static_cast<std::uint32_t>(across.second);
   prefetch(f);
   return f;
 }

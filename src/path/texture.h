@@ -41,8 +41,6 @@ class TextureReader {
 
  private:
   vec4 texel(std::uint32_t offset) const;
-  int wrap_index(int i, int size, Wrap wrap) const;
-  static float wrap_unit(float t, Wrap wrap);
 
   const std::uint8_t* pixels_ = nullptr;
   const float* decode_ = nullptr;  ///< 256 values for R, G and B

@@ -12,14 +12,6 @@ namespace {
 constexpr int kMostScatterings = 4096;  // a white body of a million mean free paths keeps light forever
 constexpr int kScatteringsBeforeLoss = 16;
 
-/// One of the three channels, by what each still carries.
-int choose_channel(vec3 weights, float u, vec3& chances) {
-  const float sum = weights.x + weights.y + weights.z;
-  chances = sum > 0.0f ? weights / sum : vec3(1.0f / 3.0f);
-  if (u < chances.x) return 0;
-  return u < chances.x + chances.y ? 1 : 2;
-}
-
 vec3 turn(vec3 direction, float cosine, float u) {
   const Frame frame = frame_from_normal(direction);
   const float sine = std::sqrt(std::max(1.0f - cosine * cosine, 0.0f));
@@ -153,21 +145,15 @@ bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& 
       throughput *= medium->transmittance(surface);
       return max_component(throughput) > 0.0f;
     }
-    // ----- free flight, as one of the channels; each weighs by the mean density of the three (Chiang, Kutz & Burley
-    // 2016, "Practical and Controllable Subsurface Scattering for Production Path Tracing", §5)
-    vec3 chances;
-    const int channel = choose_channel(throughput * albedo, next(), chances);
-    const float sigma = medium->extinction[channel];
+    // ----- free flight, as one of the channels
+    const vec3 chances = shade::medium_chances(throughput * albedo);
+    const float sigma = medium->extinction[shade::medium_channel(chances, next())];
     const float flight = sigma > 0.0f ? -std::log1p(-next()) / sigma : kInfinity;
     if (flight >= surface) {
-      const vec3 left = medium->transmittance(surface);
-      const float chance = glm::dot(chances, left);
-      throughput *= chance > 0.0f ? left / chance : vec3(0.0f);
+      throughput *= shade::medium_passed(medium->transmittance(surface), chances);
       return max_component(throughput) > 0.0f;
     }
-    const vec3 left = medium->extinction * medium->transmittance(flight);
-    const float density = glm::dot(chances, left);
-    throughput *= density > 0.0f ? albedo * left / density : vec3(0.0f);
+    throughput *= shade::medium_scattered(medium->extinction, albedo, medium->transmittance(flight), chances);
     if (n >= kScatteringsBeforeLoss) {
       const float survival = std::min(max_component(throughput) * eta_scale, 0.99f);
       if (next() >= survival) return false;
@@ -176,7 +162,7 @@ bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& 
     if (max_component(throughput) <= 0.0f) return false;
     // ----- a new direction, by the phase function
     const vec3 position = ray.origin + flight * ray.direction;
-    const float cosine = sample_henyey_greenstein(medium->anisotropy, next());
+    const float cosine = shade::phase_cosine(medium->anisotropy, next());
     ray = {position, turn(ray.direction, cosine, next())};
     scattered = true;
     ++counts.bounce;

@@ -144,6 +144,7 @@ bool is_scattering(const Material& m) {
 
 std::vector<BlockField> material_block_fields() {
   std::vector<BlockField> fields;
+  fields.reserve(kFields);
   for (std::size_t i = 0; i < kFields; ++i) fields.push_back({fmt::format("Material.{}", name_of(i)), kOffsets[i]});
   for (const std::size_t slot : {std::size_t{0}, kTextureSlots - 1}) {
     const std::size_t at = kOffsets[kFields] + slot * sizeof(UvTransform);

@@ -60,8 +60,9 @@ Image turned_panorama(const Image& map, const quat& world_from_map) {
       for (int x = 0; x < map.width; ++x) {
         vec3 sum(0.0f);
         for (int i = 0; i < kSide * kSide; ++i) {
+          const int row = i / kSide;
           const float across = static_cast<float>(x) + (static_cast<float>(i % kSide) + 0.5f) / kSide;
-          const float down = static_cast<float>(y) + (static_cast<float>(i / kSide) + 0.5f) / kSide;
+          const float down = static_cast<float>(y) + (static_cast<float>(row) + 0.5f) / kSide;
           sum += lookup(map, map_from_world * map_direction(across, down, map.width, map.height));
         }
         result.set_rgb(x, y, sum / static_cast<float>(kSide * kSide));

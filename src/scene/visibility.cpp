@@ -165,6 +165,7 @@ bool sees_something(const Scene& scene, const View& view) {
   const std::vector<Plane> planes = sides_of(view);
   const dmat4 camera_from_world = glm::inverse(dmat4(view.world_from_camera));
   std::vector<Box3> boxes;
+  boxes.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) boxes.push_back(bounds_of(mesh));
   return std::any_of(scene.nodes.begin(), scene.nodes.end(), [&](const Node& node) {
     if (node.mesh < 0) return false;

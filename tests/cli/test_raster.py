@@ -68,6 +68,12 @@ class Pictures(RasterTest):
         for name in ("c", "d"):
             self.assertEqual((self.folder / (name + ".png")).read_bytes(), pictures[0])
 
+    def test_a_quality_is_a_number_of_frames(self):
+        ball = ("render", "demo:spheres", "--engine", "raster", "--size", "32x24", "-o", "a.png", "--stats", "s.json")
+        for options, frames in ((("draft",), 1), (("good",), 8), (("final", "--spp", "3"), 3)):
+            self.draws(*ball, "--quality", *options)
+            self.assertEqual(json.loads((self.folder / "s.json").read_text())["frames"], frames)
+
     def test_options_of_the_path_tracer_are_refused(self):
         for option in (("--time", "1s"), ("--noise", "0.1"), ("--bounces", "2"), ("--seed", "1"), ("--filter", "box"),
                        ("--integrator", "full")):  # fmt: skip

@@ -270,13 +270,67 @@ class Statistics(CliTest):
             self.assertIn("the built-in regression denoises", done.err)
             self.fails(*SPHERES, *TINY, "-o", "b.png", "--denoise=oidn", "--strict", says="Open Image Denoise")
 
+    def test_a_library_of_that_name_that_is_another_is_replaced_with_a_warning(self):
+        with open("/proc/self/maps", encoding="utf-8") as maps:
+            others = [line.split()[-1] for line in maps if re.search(r"/libc\.so|/libc-", line)]
+        if not others:
+            self.skipTest("no library to take for it")
+        (self.folder / "lib").mkdir()
+        name = self.folder / "lib/libOpenImageDenoise.so.2"
+        name.symlink_to(others[0])
+        environment = {**os.environ, "LD_LIBRARY_PATH": str(name.parent)}
+        done = self.run_candela(*SPHERES, *TINY, "-o", "a.png", "--denoise=oidn", env=environment)
+        self.assertEqual(done.code, 0, done.err)
+        self.assertIn("has no function oidnNewDevice; the built-in regression denoises", done.err)
+        name.unlink()
+        name.write_text("no library\n")
+        done = self.run_candela(*SPHERES, *TINY, "-o", "b.png", "--denoise=oidn", env=environment)
+        self.assertEqual(done.code, 0, done.err)
+        self.assertIn("the built-in regression denoises", done.err)
+
+    def test_one_pixel_and_a_transparent_background_are_denoised(self):
+        self.succeeds(*SPHERES, "--size", "1x1", "--spp", "2", "-o", "one.png", "--denoise")
+        for name, more in (("a.png", ()), ("b.png", ("--denoise",))):
+            self.succeeds(*SPHERES, *TINY, "-o", name, "--background", "transparent", "--orbit", "0,60,3", *more)
+        alpha = lambda name: [row[3::4] for row in png_pixels(self.folder / name)[3]]
+        self.assertEqual(alpha("a.png"), alpha("b.png"))
+
     def test_denoise_is_refused_where_it_cannot_act(self):
         for options, why in (
             (("--denoise=median",), 'unknown way to denoise "median"'),
-            (("--denoise", "--integrator", "minimal"), "only for --integrator full"),
+            (("--denoise", "--integrator", "minimal"), "--denoise: only for --integrator full"),
             (("--denoise", "--engine", "raster"), "only for --engine path"),
         ):
             self.refuses(*SPHERES, *TINY, "-o", "a.png", *options, says=why)
+
+    def spp(self, *options):
+        self.succeeds(*SPHERES, *TINY[:2], *options, "-o", "a.exr", "--stats", "s.json")
+        stats = json.loads((self.folder / "s.json").read_text())
+        return stats.get("spp", stats.get("frames")), b"denoiser\0" in (self.folder / "a.exr").read_bytes()
+
+    def test_a_quality_is_samples_noise_and_denoising(self):
+        self.assertEqual(TINY[0], "--size")
+        self.assertEqual(self.spp("--quality", "draft"), (16, True))
+        good, denoised = self.spp("--quality", "good")
+        self.assertTrue(16 <= good <= 256 and denoised, good)
+        final, denoised = self.spp("--quality", "final", "--time", "20s")
+        self.assertTrue(good < final <= 4096 and denoised, (good, final))
+
+    def test_what_is_given_goes_before_the_quality(self):
+        self.assertEqual(self.spp("--quality", "final", "--spp", "3"), (3, True))
+        self.assertEqual(self.spp("--quality", "draft", "--denoise=none"), (16, False))
+        self.assertEqual(self.spp("--quality", "good", "--noise", "0.9")[0], 16)
+        self.assertEqual(self.spp("--quality", "draft", "--integrator", "minimal", "--denoise=none"), (16, False))
+
+    def test_a_quality_that_cannot_be_had_is_refused(self):
+        self.refuses(*SPHERES, "--quality", "draft", "--integrator", "minimal", says="--quality: .*--integrator full")
+        self.refuses(*SPHERES, "--quality", "best", says="--quality: unknown quality.*draft, good, final")
+
+    def test_a_quality_is_of_all_pictures_of_a_set(self):
+        self.succeeds(*SPHERES, *TINY[:2], "--quality", "draft", "--turntable", "2", "-o", "%d.exr")
+        for name in ("0.exr", "1.exr"):
+            self.assertIn(b"denoiser\0", (self.folder / name).read_bytes())
+        self.succeeds(*SPHERES, "demo:cornell", *TINY[:2], "--quality", "draft", "-o", "out/")
 
     def test_noise_stop_takes_fewer_samples(self):
         self.succeeds(*SPHERES, "--size", "16x12", "--spp", "256", "--noise", "0.5", "-o", "a.png", "--stats", "s.json")

@@ -22,7 +22,7 @@ class Usage(CliTest):
     def test_render_help_has_every_option_examples_and_scenes(self):
         text = self.succeeds("render", "--help").out
         for option in (
-            "--output --scene --variant --size --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
+            "--output --scene --variant --size --quality --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
             "--target --fov --f-number --focus-distance --blades --vignetting --env --sun-elevation --env-rotation "
             "--env-intensity --light-falloff --background --glass --exposure --tonemap --aov --stats --quiet --strict --engine"
         ).split():

@@ -93,7 +93,7 @@ Moments glow(const GlowingRoom& room, float rho, int bounces, path::Integrator i
   m.double_sided = room.double_sided;
   b.add(room.shape, m);
   const Scene scene = b.build();
-  return over_seeds(10, [&](std::uint32_t seed) {
+  return over_seeds(12, [&](std::uint32_t seed) {
     path::Settings s = settings(8, 16, bounces);
     s.seed = seed;
     s.integrator = integrator;

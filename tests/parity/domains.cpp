@@ -235,6 +235,18 @@ const std::vector<Row>& rows() {
       {"tone_agx_contrast:x", uniform(0.0f, 1.0f)},
       {"tone_*:color", magnitude(1e-4f, 1e3f)},
 
+      {"footprint_*:t", uniform(-3.0f, 3.0f)},
+      {"footprint_*:wrap", whole(0, 2)},
+      {"footprint_texel:i", whole(-1, 8)},
+      {"footprint_texel:size", whole(8, 8)},
+      {"footprint_*:size", whole(1, 64)},
+      {"panorama_angle:[xy]", uniform(-1.0f, 1.0f)},
+      {"panorama_*:sin_theta", uniform(1e-3f, 1.0f)},
+      {"medium_transmittance:extinction", magnitude(1e-3f, 1e1f)},
+      {"medium_transmittance:distance", magnitude(1e-3f, 1e1f)},
+      {"medium_*:extinction", magnitude(1e-2f, 1e2f)},
+      {"phase_*:g", often(0.0f, uniform(-0.95f, 0.95f))},
+
       {"PunctualLamp.kind", whole(0, 1)},
       {"PunctualLamp.falloff", whole(0, 3)},
       {"PunctualLamp.direction", direction(-1.0f, 1.0f)},

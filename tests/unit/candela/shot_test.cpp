@@ -74,6 +74,53 @@ TEST(unit_candela_shot, a_stop_leaves_the_picture_at_hand_and_begins_no_other) {
   EXPECT_TRUE(result.interrupted && result.is_last_unfinished);
 }
 
+TEST(unit_candela_shot, a_stop_while_it_is_denoised_leaves_the_picture_as_it_was_traced) {
+  Shot shot = small();
+  shot.traced.seed = 3;
+  const std::vector<TakenPicture> plain = taken(shot);
+  shot.denoiser = denoise::Method::regression;
+  const std::vector<TakenPicture> whole = taken(shot);
+  EXPECT_TRUE(whole[0].is_denoised && whole[0].is_whole());
+  EXPECT_TRUE(whole[0].film.metadata.contains("denoiser"));
+  std::atomic<bool> stop{false};
+  Job job{.stop = &stop};
+  job.progress = [&](const Progress& p) { stop = stop || p.what.find("denoising") != std::string::npos; };
+  const std::vector<TakenPicture> stopped = taken(shot, job);
+  EXPECT_FALSE(stopped[0].is_denoised || stopped[0].is_whole());
+  EXPECT_FALSE(stopped[0].film.metadata.contains("denoiser"));
+  EXPECT_EQ(stopped[0].film.beauty.pixels, plain[0].film.beauty.pixels);
+}
+
+TEST(unit_candela_shot, a_quality_has_samples_noise_and_a_denoiser_and_frames) {
+  Shot shot = small();
+  set_quality(Quality::final, shot);
+  EXPECT_TRUE(shot.traced.noise && shot.denoiser);
+  EXPECT_GT(shot.drawn.frames, 1);
+  set_quality(Quality::draft, shot);
+  EXPECT_FALSE(shot.traced.noise);
+  EXPECT_EQ(shot.traced.samples, 16);
+  EXPECT_EQ(shot.drawn.frames, 1);
+  EXPECT_EQ(parse_quality("good"), Quality::good);
+  EXPECT_THROW(parse_quality("best"), Error);
+  // Each takes more than the one before.
+  for (std::size_t i = 1; i < kQualities.size(); ++i) {
+    EXPECT_GT(kQualities[i].samples, kQualities[i - 1].samples);
+    EXPECT_GT(kQualities[i].frames, kQualities[i - 1].frames);
+  }
+}
+
+TEST(unit_candela_shot, noise_is_judged_at_the_shots_exposure) {
+  Shot shot = small();
+  shot.traced.samples = 256;
+  shot.traced.noise = 0.01f;
+  const auto samples = [&](float exposure) {
+    shot.exposure = std::optional(exposure);
+    return taken(shot)[0].traced.mean_samples_per_pixel;
+  };
+  EXPECT_EQ(samples(1e-4f), 16.0) << "black";
+  EXPECT_GT(samples(1.0f), 16.0);
+}
+
 TEST(unit_candela_shot, progress_grows_over_all_pictures_and_partial_ones_have_metadata) {
   Shot shot = small();
   shot.turntable = 2;

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -32,7 +34,8 @@ Synthetic synthetic(ivec2 size, float deviation, const std::function<vec3(int, i
   s.truth = Image(size.x, size.y, 3);
   s.film.beauty = Image(size.x, size.y, 4);
   DenoisingFeatures& f = s.film.features.emplace();
-  f.albedo = f.normal = f.seen = f.variance = Image(size.x, size.y, 3);
+  f.albedo = f.normal = f.variance = Image(size.x, size.y, 3);
+  f.seen = Image(size.x, size.y, 4);
   f.albedo_variance = f.normal_variance = Image(size.x, size.y, 1);
   for (int y = 0; y < size.y; ++y) {
     for (int x = 0; x < size.x; ++x) {
@@ -147,6 +150,33 @@ TEST(unit_denoise, pictures_of_any_size_and_odd_numbers_stay_finite) {
   EXPECT_TRUE(is_finite_and_not_negative(dark.film.beauty));
 }
 
+TEST(unit_denoise, a_stop_while_it_works_leaves_the_film_as_it_was) {
+  const Synthetic before = synthetic({40, 40}, 0.3f, slope, even);
+  for (const Method method : {Method::regression, Method::oidn}) {
+    if (!denoise::why_not(method).empty()) continue;
+    Synthetic s = before;
+    std::atomic<bool> stop{false};
+    std::vector<double> fractions;
+    Job job{.stop = &stop};
+    job.progress = [&](const Progress& p) {
+      fractions.push_back(p.fraction);
+      stop = true;
+    };
+    EXPECT_FALSE(denoise::denoise(s.film, method, job));
+    EXPECT_EQ(s.film.beauty.pixels, before.film.beauty.pixels);
+    EXPECT_TRUE(s.film.noisy.empty());
+    EXPECT_EQ(fractions.size(), 1U) << "it went on";
+    // A stop that came before is that of the samples: they are what is denoised.
+    EXPECT_TRUE(denoise::denoise(s.film, method, job));
+    EXPECT_NE(s.film.beauty.pixels, before.film.beauty.pixels);
+    EXPECT_EQ(s.film.noisy.pixels, before.film.beauty.pixels);
+    EXPECT_TRUE(std::is_sorted(fractions.begin() + 1, fractions.end()));
+    if (method == Method::regression) {
+      EXPECT_EQ(fractions.back(), 1.0);
+    }
+  }
+}
+
 TEST(unit_denoise, threads_do_not_change_a_bit) {
   Synthetic one = synthetic({70, 50}, 0.4f, slope, checkers), two = one;
   {
@@ -167,7 +197,7 @@ TEST(unit_denoise, ways_have_names) {
 
 TEST(unit_denoise, open_image_denoise_does_it_where_it_is_installed) {
   const std::string why = denoise::why_not(Method::oidn);
-  Synthetic s = synthetic({64, 48}, 0.3f, slope, checkers);
+  Synthetic s = synthetic({64, 48}, 0.3f, slope, even);
   if (!why.empty()) {
     EXPECT_THROW(denoise::denoise(s.film, Method::oidn), Error);
     GTEST_SKIP() << why;
@@ -216,6 +246,39 @@ TEST(unit_denoise, light_and_background_are_seen_directly_and_the_rest_is_not) {
   for (const float v : film.features->variance.pixels) EXPECT_LT(v, 1e-8f);
 }
 
+TEST(unit_denoise, blurred_edges_before_the_background_lose_their_noise_and_sharp_ones_stay) {
+  SceneBuilder b;
+  b.add(quad({-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}), matte(vec3(0.05f)));
+  const path::Tracer tracer(b.build(), mapped_environment(64, 32, [](vec3 d) { return vec3(1.0f + 0.5f * d.x); }));
+  View view = look_at({0.1f, 0.2f, 3}, vec3(0.0f), 0.5f);
+  const auto gain = [&](float radius) {
+    view.lens.radius = radius;
+    view.lens.focus_distance = 30.0f;
+    const Film truth = tracer.render(view, settings(48, 1024, 2));
+    Film film = tracer.render(view, with_features(48, 16));
+    const double before = mse(film.beauty, truth.beauty);
+    denoise::denoise(film, Method::regression);
+    return mse(film.beauty, truth.beauty) / before;
+  };
+  EXPECT_LT(gain(0.25f), 0.5);
+  EXPECT_LT(gain(0.0f), 1.05);
+}
+
+TEST(unit_denoise, glass_that_now_reflects_and_now_shows_the_sky_loses_its_noise) {
+  Material glass = plastic({0.5f, 0.8f, 0.9f}, 0.0f);
+  glass.transmission = 1.0f;
+  glass.double_sided = true;
+  SceneBuilder b;
+  b.add(quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), glass);
+  const path::Tracer tracer(b.build(), constant_environment(vec3(0.5f)));
+  const View view = look_at({0.5f, 0.4f, 3}, vec3(0.0f), 0.5f);
+  const Film truth = tracer.render(view, settings(32, 2048, 4));
+  Film film = tracer.render(view, with_features(32, 16));
+  const double before = mse(film.beauty, truth.beauty);
+  denoise::denoise(film, Method::regression);
+  EXPECT_LT(mse(film.beauty, truth.beauty), 0.6 * before);
+}
+
 TEST(unit_denoise, the_variance_is_that_of_pictures_with_other_seeds) {
   // Open sky on a plane and a ball: what Sobol' points are best at.
   SceneBuilder b;
@@ -234,10 +297,11 @@ TEST(unit_denoise, the_variance_is_that_of_pictures_with_other_seeds) {
     for (const float v : f.variance.pixels) stated += static_cast<double>(v) / kSeeds;
   }
   double found = 0.0;
-  for (std::size_t i = 0; i < films[0].features->seen.pixels.size(); ++i) {
+  for (std::size_t i = 0; i < films[0].features->variance.pixels.size(); ++i) {
     Moments moments;
     for (const Film& film : films)
-      moments.add(static_cast<double>(film.beauty.pixels[i / 3 * 4 + i % 3] - film.features->seen.pixels[i]));
+      moments.add(
+          static_cast<double>(film.beauty.pixels[i / 3 * 4 + i % 3] - film.features->seen.pixels[i / 3 * 4 + i % 3]));
     found += moments.variance();
   }
   // Independent samples would make it six times as much. The whole does better than its halves say, if anything.
@@ -256,6 +320,27 @@ TEST(unit_denoise, few_samples_denoised_are_nearer_to_the_truth_than_they_were) 
     const double wanted = samples == 1 ? 0.75 : 0.5;  // of one sample nobody knows the variance
     EXPECT_LT(rel_mse_trimmed(film.beauty, truth.beauty, 0.01), wanted * before) << samples;
   }
+}
+
+TEST(unit_denoise, of_one_sample_a_dark_pixel_is_as_uncertain_as_those_around) {
+  const path::Tracer tracer(shelf(), constant_environment(vec3(0.0f)));
+  const View view = look_at({0.5f, 1.4f, 4}, {0, 0.6f, 0}, 0.4f);
+  const auto certain = [&](int samples) {
+    const Film film = tracer.render(view, with_features(48, samples));
+    int count = 0;
+    for (int y = 1; y < 47; ++y) {
+      for (int x = 1; x < 47; ++x) {
+        vec3 beside(0.0f);
+        for (const ivec2 d : {ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1)})
+          beside += film.beauty.rgb(x + d.x, y + d.y) - film.features->seen.rgb(x + d.x, y + d.y);
+        const bool is_dark = max_component(film.beauty.rgb(x, y)) <= 0.0f && max_component(beside) > 0.0f;
+        count += is_dark && max_component(film.features->variance.rgb(x, y)) <= 0.0f ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  EXPECT_EQ(certain(1), 0);
+  EXPECT_EQ(certain(3), 0);
 }
 
 TEST(unit_denoise, features_change_no_picture) {

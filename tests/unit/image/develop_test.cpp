@@ -55,6 +55,44 @@ TEST(unit_image_develop, without_dither_every_curve_is_rounded_from_the_shared_f
   }
 }
 
+TEST(unit_image_develop, what_is_shown_is_what_is_developed) {
+  Film film;
+  film.beauty = test::random_image(16, 16, 3);
+  for (const ToneCurve curve : kCurves) {
+    const DisplayImage image = develop(film, {.exposure = 0.7f, .tone_curve = curve, .dither = false});
+    const Shown shown(curve, 0.7f);
+    for (int i = 0; i < 256; ++i) {
+      const vec3 code = shown(film.beauty.rgb(i % 16, i / 16)) * 255.0f;
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(code[c], static_cast<float>(image.rgba[static_cast<std::size_t>(4 * i + c)]), 0.501f);
+    }
+  }
+}
+
+TEST(unit_image_develop, the_error_of_what_is_shown_is_that_of_light_times_the_slope_of_the_curve) {
+  constexpr float kRelative = 0.02f;
+  for (const ToneCurve curve : kCurves) {
+    SCOPED_TRACE(tone_curve_name(curve));
+    const Shown shown(curve, 2.0f);
+    for (const float light : {0.01f, 0.05f, 0.2f}) {
+      const auto code = [&](float l) {
+        return shade::srgb_encode(shade::tone_map(static_cast<int>(curve), vec3(2.0f * l))).x;
+      };
+      const float slope = (code(1.01f * light) - code(0.99f * light)) / (0.02f * light);
+      EXPECT_NEAR(shown.error(vec3(light), kRelative), slope * kRelative * light, 0.02f * slope * kRelative * light);
+    }
+    EXPECT_EQ(shown.error(vec3(0.0f), 0.5f), 0.0f);
+    EXPECT_EQ(shown.error(vec3(0.2f), 0.0f), 0.0f);
+    EXPECT_EQ(shown.error(vec3(0.2f), std::numeric_limits<float>::infinity()), std::numeric_limits<float>::infinity());
+    // As large as the light and more, it is at most half of what is shown of twice the light.
+    EXPECT_LE(shown.error(vec3(0.01f), 1.0f), 0.5f * shown(vec3(0.02f)).x + 1e-6f);
+  }
+  // White is white however uncertain, and the channel that changes most speaks for a colour.
+  EXPECT_EQ(Shown(ToneCurve::linear, 100.0f).error(vec3(1.0f), 0.5f), 0.0f);
+  const Shown linear(ToneCurve::linear, 1.0f);
+  EXPECT_FLOAT_EQ(linear.error({0.5f, 0.01f, 0.0f}, 0.1f), linear.error({0.5f, 0.5f, 0.5f}, 0.1f));
+}
+
 TEST(unit_image_develop, every_code_value_survives_decoding_and_developing) {
   Film film;
   film.beauty = Image(256, 1, 3);

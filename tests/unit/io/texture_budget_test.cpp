@@ -120,7 +120,8 @@ TEST(unit_io_texture_budget, a_file_is_made_to_fit_and_says_so_once) {
   EXPECT_EQ(loaded.scene.images[0]->width, 8);
   EXPECT_EQ(loaded.scene.images[1]->width, 8);
   ASSERT_EQ(loaded.warnings.size(), 1u);
-  EXPECT_THAT(loaded.warnings[0].text(), HasSubstr("1 loses one level, 1 loses 2 levels; at worst 32 x 32 texels become 8 x 8"));
+  EXPECT_THAT(loaded.warnings[0].text(),
+              HasSubstr("1 loses one level, 1 loses 2 levels; at worst 32 x 32 texels become 8 x 8"));
   // Black and white side by side are half of the light, not half of the code.
   EXPECT_EQ(loaded.scene.images[0]->pixels[0], 188);
   const Loaded all = load(textured());

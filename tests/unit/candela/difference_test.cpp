@@ -1,0 +1,138 @@
+#include "candela/difference.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/error.h"
+#include "unit/base/temp_folder.h"
+
+namespace candela {
+namespace {
+
+using test::TempFolder;
+
+Film grey(float value, float alpha = 1.0f) {
+  Film film;
+  film.beauty = Image(8, 6, 4);
+  for (std::size_t i = 0; i < film.beauty.pixels.size(); ++i) {
+    film.beauty.pixels[i] = i % 4 == 3 ? alpha : value * alpha;
+  }
+  return film;
+}
+
+Film with_depth(Film film, float depth) {
+  Image& layer = film.layers[Layer::depth] = Image(8, 6, 1);
+  for (float& metres : layer.pixels) metres = depth;
+  return film;
+}
+
+/// Writes both and compares them.
+PictureDifference difference(const TempFolder& folder, const Film& first, const Film& second,
+                             const std::string& extension, const DifferenceSettings& settings = {}) {
+  const std::filesystem::path a = folder.path() / ("a" + extension);
+  const std::filesystem::path b = folder.path() / ("b" + extension);
+  const DevelopSettings develop{.exposure = 1.0f, .tone_curve = ToneCurve::linear, .dither = false};
+  write_film(a, first, develop);
+  write_film(b, second, develop);
+  return compare_pictures({a, {}}, {b, {}}, settings);
+}
+
+TEST(unit_candela_difference, equal_pictures_have_none_and_a_pixel_counts_once) {
+  const TempFolder folder;
+  Film changed = with_depth(grey(0.5f), 2.0f);
+  EXPECT_EQ(difference(folder, changed, changed, ".exr").flip, 0.0);
+  changed.beauty.at(3, 2)[1] = 0.75f;
+  const PictureDifference d = difference(folder, with_depth(grey(0.5f), 2.0f), changed, ".exr");
+  EXPECT_GT(d.flip, 0.0);
+  EXPECT_EQ(d.layers.at(0).changed, 1u);
+  EXPECT_FLOAT_EQ(static_cast<float>(d.layers.at(0).max), 0.25f);
+  EXPECT_NEAR(d.layers.at(0).mean, 0.25 / (8 * 6 * 3), 1e-9) << "an opaque picture has three channels";
+  EXPECT_EQ(d.layers.at(1).layer, "depth");
+  EXPECT_EQ(d.layers.at(1).changed, 0u);
+  EXPECT_EQ(difference(folder, grey(0.5f), changed, ".exr").unmatched, std::vector<std::string>{"depth"});
+}
+
+TEST(unit_candela_difference, a_change_within_the_tolerance_is_none) {
+  const TempFolder folder;
+  EXPECT_EQ(difference(folder, grey(0.5f), grey(0.51f), ".exr", {.tolerance = 0.02}).layers[0].changed, 0u);
+  EXPECT_EQ(difference(folder, grey(0.5f), grey(0.51f), ".exr", {.tolerance = 0.005}).layers[0].changed, 48u);
+}
+
+TEST(unit_candela_difference, values_of_a_display_are_those_that_are_shown) {
+  const TempFolder folder;
+  const PictureDifference d = difference(folder, grey(0.0f), grey(0.2140411f), ".png");  // sRGB: one half
+  EXPECT_TRUE(d.is_display);
+  EXPECT_NEAR(d.layers[0].max, 0.5, 0.5 / 255.0);
+}
+
+TEST(unit_candela_difference, what_is_infinitely_far_in_both_is_the_same_and_in_one_is_broken) {
+  const TempFolder folder;
+  const Film far = with_depth(grey(0.5f), kInfinity);
+  EXPECT_EQ(difference(folder, far, far, ".exr").layers.at(1).changed, 0u);
+  const LayerDifference d = difference(folder, far, with_depth(grey(0.5f), 3.0f), ".exr").layers.at(1);
+  EXPECT_EQ(d.broken, 48u);
+  EXPECT_EQ(d.changed, 48u);
+  const Film nan = with_depth(grey(0.5f), std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(difference(folder, nan, nan, ".exr").layers.at(1).broken, 48u) << "never equal to anything";
+}
+
+TEST(unit_candela_difference, transparency_counts_where_it_shows) {
+  const TempFolder folder;
+  const PictureDifference d = difference(folder, grey(0.0f), grey(0.0f, 0.5f), ".png");
+  EXPECT_GT(d.flip, 0.3) << "both are black over black, but not over white";
+  EXPECT_EQ(d.layers[0].changed, 48u);
+}
+
+TEST(unit_candela_difference, linear_pictures_are_seen_with_the_exposure_of_the_first) {
+  const TempFolder folder;
+  EXPECT_GT(difference(folder, grey(0.01f), grey(0.02f), ".exr").flip, 0.1) << "a stop brighter, not metered away";
+  const double dark = difference(folder, grey(0.01f), grey(0.02f), ".exr", {.exposure = 1.0f}).flip;
+  const double bright = difference(folder, grey(0.01f), grey(0.02f), ".exr", {.exposure = 16.0f}).flip;
+  EXPECT_LT(dark, 0.7 * bright);
+}
+
+TEST(unit_candela_difference, sizes_that_differ_are_told_with_both) {
+  const TempFolder folder;
+  Film wide = grey(0.5f);
+  wide.beauty = Image(9, 6, 4);
+  try {
+    difference(folder, grey(0.5f), wide, ".exr");
+    FAIL() << "compared";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("9x6"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("8x6"), std::string::npos) << error.what();
+  }
+}
+
+TEST(unit_candela_difference, folders_are_paired_by_the_names_below_them) {
+  const TempFolder folder;
+  std::filesystem::create_directories(folder.path() / "a/sub");
+  std::filesystem::create_directories(folder.path() / "b/sub");
+  for (const char* name : {"a/sub/x.png", "b/sub/x.png", "a/only.exr"})
+    write_film(folder.path() / name, grey(0.5f), {});
+  const std::vector<PicturePair> pairs = picture_pairs(folder.path() / "a", folder.path() / "b");
+  ASSERT_EQ(pairs.size(), 2u);
+  EXPECT_EQ(pairs[0].name, "only.exr");
+  EXPECT_TRUE(pairs[0].second.empty());
+  EXPECT_EQ(pairs[1].name, "sub/x.png");
+  EXPECT_EQ(pairs[1].second, folder.path() / "b/sub/x.png");
+  std::filesystem::create_directories(folder.path() / "empty");
+  EXPECT_THROW(picture_pairs(folder.path() / "empty", folder.path() / "empty"), Error);
+}
+
+TEST(unit_candela_difference, the_map_grows_lighter_with_the_error) {
+  Image error(256, 1, 1);
+  for (int x = 0; x < 256; ++x) error.at(x, 0)[0] = static_cast<float>(x) / 255.0f;
+  const DisplayImage map = error_map(error);
+  double last = -1.0;
+  for (std::size_t i = 0; i < map.rgba.size(); i += 4) {
+    const double lightness = 0.2126 * map.rgba[i] + 0.7152 * map.rgba[i + 1] + 0.0722 * map.rgba[i + 2];
+    EXPECT_GE(lightness, last) << i / 4;
+    last = lightness;
+  }
+  EXPECT_EQ(map.rgba[0], 0);
+}
+
+}  // namespace
+}  // namespace candela
