@@ -175,6 +175,7 @@ void add_scene(Command& command, BakeOptions& o) {
       "Bake what a point of a scene sees, path traced; ENV lights the scene [its own image-based light, else studio]")
       .group("Light");
   add_root(command, o.light.load.root).group("Light");
+  add_texture_memory(command, o.light.load.texture_memory).group("Light");
   add_scene_choice(command, o.light.load.scene).group("Light");
   add_measures(command, o.light.load.measures, "Light");
   add_value(command, "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres").group("Light");
@@ -280,7 +281,8 @@ void check_combinations(const Command& command, const BakeOptions& o) {
     refuse({"--samples"}, "only for --method fis or montecarlo and --irradiance riemann or montecarlo");
   }
   if (!o.tables) refuse({"--table-size"}, "only with --tables");
-  if (o.light.scene.empty()) refuse({"--spp", "--root", "--scene", "--unit", "--up"}, "only with --from-scene");
+  if (o.light.scene.empty())
+    refuse({"--spp", "--root", "--texture-memory", "--scene", "--unit", "--up"}, "only with --from-scene");
   if (!o.light.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
   if (o.format.kind == BakeFormat::Kind::gltf) refuse({"--sheen"}, "--format gltf has no levels of the sheen lobe");
   if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");

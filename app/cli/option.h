@@ -48,6 +48,12 @@ Option add_root(Command& command, Path& into) {
                    "Refuse a scene that lies or reads outside of DIR, links resolved [it reads what it names]");
 }
 
+/// --texture-memory, of every verb that draws.
+inline Option add_texture_memory(Command& command, std::uint64_t& into) {
+  return add_value(command, "--texture-memory", "SIZE", into, parse_bytes,
+                   "Halve the largest images until all fit into 512MB, 2GB… [as they are]");
+}
+
 /// --scene, of every verb that reads a scene.
 inline Option add_scene_choice(Command& command, std::string& into) {
   const auto named = [](const std::string& text) {

@@ -188,6 +188,7 @@ void add_light(Command& command, RenderOptions& o) {
 void add_running(Command& command, RenderOptions& o) {
   const std::string group = "Running";
   add_root(command, o.shot.load.root).group(group);
+  add_texture_memory(command, o.shot.load.texture_memory).group(group);
   add_value(command, "--threads", "N", o.threads, count_within(0, 1024),
             "0 is all; the picture does not depend on it [0]")
       .group(group);

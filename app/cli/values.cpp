@@ -102,6 +102,26 @@ double parse_moment(const std::string& text) {
   return seconds;
 }
 
+std::uint64_t parse_bytes(const std::string& text) {
+  constexpr double kKilo = 1000.0, kKibi = 1024.0;
+  constexpr std::array<std::pair<std::string_view, double>, 11> kUnits{{{"", 1.0},
+                                                                        {"B", 1.0},
+                                                                        {"K", kKilo},
+                                                                        {"KB", kKilo},
+                                                                        {"KiB", kKibi},
+                                                                        {"M", kKilo * kKilo},
+                                                                        {"MB", kKilo * kKilo},
+                                                                        {"MiB", kKibi * kKibi},
+                                                                        {"G", kKilo * kKilo * kKilo},
+                                                                        {"GB", kKilo * kKilo * kKilo},
+                                                                        {"GiB", kKibi * kKibi * kKibi}}};
+  const auto [value, unit] = leading_number(text);
+  const double bytes = value * one_of(std::string(unit), kUnits);
+  constexpr double kMost = 1e15;
+  if (!(bytes >= 1.0 && bytes <= kMost)) throw UsageError(fmt::format("'{}' is not within 1 B and 1000000 GB", text));
+  return static_cast<std::uint64_t>(bytes);
+}
+
 double parse_duration(const std::string& text) {
   const double seconds = parse_moment(text);
   if (seconds <= 0.0) throw UsageError(fmt::format("'{}' is not a time above zero", text));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -22,6 +23,7 @@ int parse_count(const std::string& text, int low, int high);
 ivec2 parse_size(const std::string& text);           ///< "1280x720"
 double parse_duration(const std::string& text);      ///< seconds from "30", "30s", "1.5m", "2h", "500ms"
 double parse_moment(const std::string& text);        ///< the same, 0 too
+std::uint64_t parse_bytes(const std::string& text);  ///< "2GB", "512M", "64MiB", "1.5G"; K, M and G are thousands
 float parse_angle(const std::string& text);          ///< radians from "45", "45deg", "0.8rad"
 float parse_field_of_view(const std::string& text);  ///< an angle between 0 and 180 degrees
 vec3 parse_vec3(const std::string& text);            ///< "x,y,z"

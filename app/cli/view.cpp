@@ -24,6 +24,7 @@ Verb add_view(Command& command) {
   add_value(command, "--shaders", "DIR", options->shader_folder, folder,
             "For development: read shaders from there, and again whenever they change");
   add_root(command, options->root);
+  add_texture_memory(command, options->texture_memory);
   add_scene_choice(command, options->scene_choice);
   add_measures(command, options->measures);
   add_value(command, "--frames", "N", options->frames, count_within(1, 1000000),

@@ -87,7 +87,12 @@ raster::Settings settings_of(const ViewOptions& o) {
 
 Viewer::Viewer(const ViewOptions& o)
     : options_(o),
-      asset_(o.scene, &diagnostics_, LoadOptions{.root = o.root, .scene = o.scene_choice, .measures = o.measures}),
+      asset_(o.scene, &diagnostics_,
+             LoadOptions{.root = o.root,
+                         .scene = o.scene_choice,
+                         .measures = o.measures,
+                         .texture_memory = o.texture_memory,
+                         .counts_texture_levels = true}),
       scene_(asset_.scene()),
       environment_(o.environment ? make_environment(*o.environment, &diagnostics_)
                                  : default_light(scene_, &diagnostics_)),

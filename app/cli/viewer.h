@@ -11,6 +11,7 @@ namespace candela::cli {
 struct ViewOptions {
   std::string scene;
   std::string root;
+  std::uint64_t texture_memory = 0;
   std::string scene_choice;
   foreign::Measures measures;
   std::optional<std::string> environment;

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "base/large_pages.h"
 #include "base/text.h"
 
 namespace candela {
@@ -31,7 +32,8 @@ std::vector<std::byte> read_file(const fs::path& path, std::uint64_t max_bytes) 
 
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw Error("cannot open: " + reason(errno), path.string());
-  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+  std::vector<std::byte> bytes;
+  resize_large(bytes, static_cast<std::size_t>(size));
   stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (static_cast<std::uint64_t>(stream.gcount()) != size) throw Error("cannot read the whole file", path.string());
   return bytes;

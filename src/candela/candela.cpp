@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "content/demo.h"
+#include "io/texture_budget.h"
 #include "path/capture.h"
 #include "scene/brightness.h"
 
@@ -20,9 +21,10 @@ Asset::Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const st
     : Asset(path_or_demo, diagnostics, LoadOptions{.variant = variant}) {}
 
 Asset::Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const LoadOptions& options)
-    : name_(path_or_demo), diagnostics_(diagnostics) {
-  if (!name_.starts_with(kDemo)) {
-    file_ = std::make_shared<io::GltfFile>(name_, diagnostics_ != nullptr ? *diagnostics_ : ignored_, options);
+    : name_(path_or_demo), options_(options), diagnostics_(diagnostics), is_built_in_(name_.starts_with(kDemo)) {
+  if (!is_built_in_) {
+    Diagnostics& told = diagnostics_ != nullptr ? *diagnostics_ : ignored_;
+    file_ = std::make_shared<io::GltfFile>(name_, told, options_, &info_);
   } else if (!options.variant.empty()) {
     throw Error("a built-in scene has no variants", name_);
   } else if (!options.scene.empty()) {
@@ -32,35 +34,46 @@ Asset::Asset(const std::string& path_or_demo, Diagnostics* diagnostics, const Lo
   }
 }
 
+io::GltfFile& Asset::file() {
+  if (file_ == nullptr) file_ = std::make_shared<io::GltfFile>(name_, ignored_, options_);
+  return *file_;
+}
+
+void Asset::release() { file_.reset(); }
+
 Scene Asset::scene(const std::optional<Pose>& pose) {
-  if (file_ != nullptr) {
+  if (!is_built_in_) {
     // What is odd about a file is said once, not at every moment.
     Diagnostics* diagnostics = std::exchange(diagnostics_, nullptr);
-    return file_->scene(diagnostics != nullptr ? *diagnostics : ignored_, pose);
+    return file().scene(diagnostics != nullptr ? *diagnostics : ignored_, pose);
   }
   if (pose && !pose->animation.empty()) throw Error("a built-in scene has no animations", name_);
-  return content::make_demo(name_.substr(kDemo.size()));
+  Scene scene = content::make_demo(name_.substr(kDemo.size()));
+  if (options_.texture_memory > 0) {
+    Diagnostics* diagnostics = std::exchange(diagnostics_, nullptr);
+    io::fit_textures(scene, {options_.texture_memory, options_.counts_texture_levels},
+                     diagnostics != nullptr ? *diagnostics : ignored_, name_);
+  }
+  return scene;
 }
 
-bool Asset::is_animated() const { return file_ != nullptr && !file_->info().animations.empty(); }
+bool Asset::is_animated() const { return !info_.animations.empty(); }
 
-std::vector<io::ReferencedFile> Asset::files() const {
-  return file_ != nullptr ? file_->info().files : std::vector<io::ReferencedFile>();
-}
+std::vector<io::ReferencedFile> Asset::files() const { return info_.files; }
 
-double Asset::duration_s(const std::string& animation) const {
+double Asset::duration_s(const std::string& animation) {
   double longest = 0.0;
-  if (file_ == nullptr) return longest;
-  for (const std::size_t index : file_->find_animations(animation)) {
-    longest = std::max<double>(longest, file_->info().animations[index].duration_s);
+  if (is_built_in_) return longest;
+  for (const std::size_t index : file().find_animations(animation)) {
+    longest = std::max<double>(longest, info_.animations[index].duration_s);
   }
   return longest;
 }
 
-bool Asset::moves_image_light(const std::string& animation) const {
-  if (file_ == nullptr) return false;
-  for (const std::size_t index : file_->find_animations(animation)) {
-    for (const std::string& pointer : file_->info().animations[index].pointers) {
+bool Asset::moves_image_light(const std::string& animation) {
+  if (is_built_in_) return false;
+  for (const std::size_t index : file().find_animations(animation)) {
+    for (const std::string& pointer : info_.animations[index].pointers) {
       if (pointer.starts_with("/extensions/EXT_lights_image_based/")) return true;
     }
   }

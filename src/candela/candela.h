@@ -49,18 +49,25 @@ class Asset {
   /// Error.
   Scene scene(const std::optional<Pose>& pose = std::nullopt);
   /// Duration of the animations of that name, as Pose::animation names them; 0 if nothing moves.
-  double duration_s(const std::string& animation) const;
+  double duration_s(const std::string& animation);
   /// Whether such an animation moves a light of EXT_lights_image_based by a pointer.
-  bool moves_image_light(const std::string& animation) const;
+  bool moves_image_light(const std::string& animation);
   bool is_animated() const;
   /// The files that it is read from: the file itself and all that it names; none for a built-in scene.
   std::vector<io::ReferencedFile> files() const;
+  /// Gives back what only another scene needs, above all the file's bytes. What needs them reads the file again.
+  void release();
 
  private:
+  io::GltfFile& file();
+
   std::string name_;
+  LoadOptions options_;
   Diagnostics ignored_;
   Diagnostics* diagnostics_;
-  std::shared_ptr<io::GltfFile> file_;  ///< null for a built-in scene
+  bool is_built_in_;
+  std::shared_ptr<io::GltfFile> file_;  ///< null for a built-in scene, and after release()
+  io::FileInfo info_;
 };
 
 /// Whether the scene has a camera that a node refers to.

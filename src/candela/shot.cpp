@@ -95,6 +95,7 @@ namespace {
 Shot takeable(Shot shot) {
   if (shot.engine == Engine::raster) raster::check_built();
   if (shot.engine == Engine::path || shot.probes > 0) path::check_built();
+  shot.load.counts_texture_levels |= shot.engine == Engine::raster;
   return shot;
 }
 
@@ -247,6 +248,7 @@ void Take::prepare() {
   if (is_prepared_) return;
   choose_moments();
   scene_ = std::make_shared<const Scene>(scene_at(moments_s_[0]));
+  if (!is_moving_) asset_.release();
   const bool has_own_light = !shot_.environment && scene_->image_light.has_value();
   environment_ = has_own_light
                      ? scene_->image_light->environment
@@ -355,7 +357,7 @@ Film Take::trace_moving(std::size_t index, const Job& job, path::Statistics& sta
 
 Film Take::trace_one(std::size_t index, const Job& job, path::Statistics& statistics) {
   if (is_moving_ && shot_.shutter_s > 0.0) return trace_moving(index, job, statistics);
-  const bool has_moved = index > 0 && shot_.sequence;
+  const bool has_moved = index > 0 && shot_.sequence && is_moving_;
   if (has_moved) tracer_.reset();  // before there is another
   double build_s = 0.0;
   if (!tracer_) {
@@ -434,7 +436,7 @@ Film Take::draw_one(std::size_t index, raster::Drawer& drawer, const Job& job, r
     return drawer.render(moment, settings, job, &statistics);
   }
   std::shared_ptr<const Scene> scene = scene_;
-  if (index > 0 && shot_.sequence) {
+  if (index > 0 && shot_.sequence && is_moving_) {
     scene = std::make_shared<const Scene>(scene_at(moments_s_[index]));
     drawer.set_scene(scene);
   }

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/large_pages.h"
 #include "image/codec.h"
 #include "image/develop.h"
 #include "shade/color.glsl.h"
@@ -110,7 +111,7 @@ TextureImage codec::decode_jpeg(std::span<const std::byte> bytes, const std::str
   TextureImage image;
   image.width = header.width;
   image.height = header.height;
-  image.pixels.resize(static_cast<std::size_t>(pixels) * 4);
+  resize_large(image.pixels, static_cast<std::size_t>(pixels) * 4);
   // TurboJPEG converts everything to RGBA except the four-ink colour spaces.
   const bool inks = header.colorspace == TJCS_CMYK || header.colorspace == TJCS_YCCK;
   decompress(handle.get(), bytes, header, inks ? TJPF_CMYK : TJPF_RGBA, image.pixels.data(), where);

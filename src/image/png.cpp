@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/large_pages.h"
 #include "image/codec.h"
 #include "image/develop.h"
 
@@ -215,7 +216,7 @@ TextureImage codec::decode_png(std::span<const std::byte> bytes, const std::stri
   run(reader, set_transforms, where);
   const std::size_t row_bytes = static_cast<std::size_t>(image.width) * 4 * static_cast<std::size_t>(image.bits / 8);
   if (png_get_rowbytes(reader.png, reader.info) != row_bytes) throw Error("damaged PNG: unexpected row size", where);
-  image.pixels.resize(row_bytes * static_cast<std::size_t>(image.height));
+  resize_large(image.pixels, row_bytes * static_cast<std::size_t>(image.height));
   std::vector<png_bytep> rows(static_cast<std::size_t>(image.height));
   for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = image.pixels.data() + y * row_bytes;
   reader.rows = rows.data();

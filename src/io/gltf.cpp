@@ -188,11 +188,23 @@ class Loader {
   Scene load(const FileInfo& info, const std::optional<Pose>& pose, Kept* kept);
 
  private:
+  /// A mesh that another thread has read, and what it had to say.
+  struct ReadMesh {
+    Mesh mesh = {};
+    Diagnostics diagnostics = {};
+    std::size_t ignored = 0;
+  };
+
   void collect_meshes();
   void collect_materials(const MovedDocument& moved, Kept* kept);
   void outline_meshes(MeshReader& reader);
   std::vector<JsonView> draco_views() const;
   void read_meshes_and_images(Kept* kept);
+  void read_meshes(Kept* kept);
+  bool prepare_meshes();
+  std::vector<std::optional<ReadMesh>> read_meshes_at_once(const MeshReader& reader);
+  void take_images(Kept& kept);
+  void plan_images();
   void lose_image(std::size_t image, const Error& cause);
   Mesh find_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins, Kept* kept);
   Mesh read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins);
@@ -219,7 +231,10 @@ class Loader {
   std::map<std::size_t, int> camera_of_file_, light_of_file_, ies_light_of_node_;
   std::map<std::size_t, int> mesh_of_area_light_;
   MaterialSet materials_;
-  bool is_posed_ = false;  ///< by an animation, which may hide things by a scale of 0
+  std::vector<Reduction> reductions_;                    ///< by image
+  std::vector<std::vector<std::size_t>> image_batches_;  ///< of images to be decoded, one after the other
+  bool is_animated_ = false;                             ///< the file: there may be other moments
+  bool is_posed_ = false;                                ///< by an animation, which may hide things by a scale of 0
   Scene scene_;
 };
 
@@ -317,7 +332,7 @@ Mesh Loader::find_mesh(MeshReader& reader, const MeshKey& key, std::map<std::siz
                        Kept* kept) {
   const auto& [mesh, weights, skin] = key;
   // What an animation morphs would be kept for every moment of it.
-  if (kept == nullptr || skin || !weights.empty()) return read_mesh(reader, key, skins);
+  if (kept == nullptr || !is_animated_ || skin || !weights.empty()) return read_mesh(reader, key, skins);
   std::vector<VertexNeeds> needs = reader.needs(root_.at("meshes")[mesh]);
   const auto found = kept->meshes.find(key);
   if (found != kept->meshes.end() && found->second.needs == needs) return found->second.mesh;
@@ -350,64 +365,170 @@ void Loader::lose_image(std::size_t image, const Error& cause) {
       cause.where());
 }
 
+/// Whether threads may share what the meshes' accessors lie in.
+bool Loader::prepare_meshes() {
+  // What moments leave to each other is read one by one.
+  if (is_animated_ || mesh_of_key_.size() < 2) return false;
+  try {
+    for (const auto& [key, index] : mesh_of_key_) {
+      if (outlines_.contains(index)) continue;
+      const JsonView primitives = root_.at("meshes")[std::get<0>(key)].at("primitives");
+      for (std::size_t i = 0; i < primitives.size(); ++i) reader_.prepare(primitives[i]);
+    }
+  } catch (const Error&) {
+    return false;  // reading them in order finds out which is the first that cannot be read
+  }
+  return true;
+}
+
+/// By index, on all cores, all but those with a skin or an outline; none where one of them cannot be read.
+std::vector<std::optional<Loader::ReadMesh>> Loader::read_meshes_at_once(const MeshReader& reader) {
+  std::vector<const MeshKey*> keys(mesh_of_key_.size(), nullptr);
+  for (const auto& [key, index] : mesh_of_key_) {
+    if (!outlines_.contains(index) && !std::get<2>(key)) keys[index] = &key;
+  }
+  std::vector<std::optional<ReadMesh>> meshes(keys.size());
+  std::atomic<bool> has_failed = false;
+  const std::uint64_t charged = reader_.charged();
+  parallel_for(0, keys.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && !has_failed; ++i) {
+      if (keys[i] == nullptr) continue;
+      const auto& [mesh, weights, skin] = *keys[i];
+      ReadMesh read;
+      Warnings warnings(read.diagnostics);
+      AccessorReader accessors(reader_, warnings);
+      MeshReader own(reader, accessors, warnings);
+      try {
+        read.mesh = own.read(root_.at("meshes")[mesh], static_cast<int>(mesh), MeshPose{weights, {}});
+        read.ignored = own.ignored();
+        meshes[i] = std::move(read);
+      } catch (const Error&) {
+        has_failed = true;
+      }
+    }
+  });
+  if (!has_failed) return meshes;
+  reader_.set_charged(charged);
+  return std::vector<std::optional<ReadMesh>>(keys.size());
+}
+
+void Loader::read_meshes(Kept* kept) {
+  MeshReader reader(reader_, warnings_, materials_.materials, materials_.material_of_file, materials_.default_material,
+                    variant_);
+  if (!options_.unpack_geometry) outline_meshes(reader);
+  buffers_.decode_draco(draco_views());
+  std::vector<std::optional<ReadMesh>> at_once(mesh_of_key_.size());
+  if (prepare_meshes()) at_once = read_meshes_at_once(reader);
+  std::map<std::size_t, std::vector<mat4>> skins;
+  for (const auto& [key, index] : mesh_of_key_) {
+    const auto outline = outlines_.find(index);
+    if (outline != outlines_.end()) {
+      scene_.meshes.push_back(std::move(outline->second));
+    } else if (auto& read = at_once[index]) {
+      warnings_.add(read->diagnostics);
+      reader.add_ignored(read->ignored);
+      scene_.meshes.push_back(std::move(read->mesh));
+    } else {
+      scene_.meshes.push_back(find_mesh(reader, key, skins, kept));
+    }
+  }
+  reader.report_ignored(root_);
+}
+
+/// Those that an earlier scene has left.
+void Loader::take_images(Kept& kept) {
+  for (std::size_t i = 0; i < scene_.images.size(); ++i) {
+    const auto found = kept.images.find(materials_.images[i].file_index);
+    if (found != kept.images.end()) scene_.images[i] = found->second;
+  }
+}
+
+/// How small images are to be, and which are decoded at a time.
+void Loader::plan_images() {
+  const std::size_t count = materials_.images.size();
+  reductions_.resize(count);
+  image_batches_.resize(1);
+  if (options_.texture_memory == 0 || !options_.decode_images) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (scene_.images[i] == nullptr) image_batches_[0].push_back(i);
+    }
+    return;
+  }
+  const ImageUses uses = uses_of_images(materials_.materials, materials_.textures, count);
+  std::vector<TextureExtent> extents(count);
+  parallel_for(0, count, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (const auto& image = scene_.images[i]) {
+        extents[i] = {.size = {image->width, image->height}, .bits = image->bits, .is_here = true};
+      } else {
+        extents[i] = measure_image(materials_.images[i], uris_);
+      }
+      if (options_.counts_texture_levels) extents[i].copies = uses.copies[i];
+    }
+  });
+  TexturePlan plan;
+  try {
+    plan = plan_textures(extents, {options_.texture_memory, options_.counts_texture_levels}, thread_count());
+  } catch (const Error& cause) {
+    throw root_.at("images").error(cause.message());
+  }
+  for (std::size_t i = 0; i < count; ++i) reductions_[i] = {plan.levels[i], uses.kinds[i]};
+  if (!plan.batches.empty()) image_batches_ = std::move(plan.batches);
+  if (!plan.told.empty()) warnings_.warn(plan.told, root_.at("images"));
+}
+
 /// Geometry is one task, each image another. Of several oddities the geometry's, then the first image's comes first.
 void Loader::read_meshes_and_images(Kept* kept) {
   const std::size_t image_count = materials_.images.size();
   scene_.images.resize(image_count);
   std::vector<std::optional<Error>> lost(image_count);
   std::vector<std::string> odd(image_count);
-  const auto number_of_image = [&](std::size_t image) { return materials_.images[image].file_index; };
-  for (std::size_t i = 0; i < image_count && kept != nullptr; ++i) {
-    const auto found = kept->images.find(number_of_image(i));
-    if (found != kept->images.end()) scene_.images[i] = found->second;
-  }
+  if (kept != nullptr) take_images(*kept);
+  plan_images();
   std::exception_ptr error;
   std::atomic<std::uint64_t> texels = 0;
-  const auto read_meshes = [&] {
-    MeshReader reader(reader_, warnings_, materials_.materials, materials_.material_of_file,
-                      materials_.default_material, variant_);
-    if (!options_.unpack_geometry) outline_meshes(reader);
-    buffers_.decode_draco(draco_views());
-    std::map<std::size_t, std::vector<mat4>> skins;
-    for (const auto& [key, index] : mesh_of_key_) {
-      const auto outline = outlines_.find(index);
-      scene_.meshes.push_back(outline != outlines_.end() ? std::move(outline->second)
-                                                         : find_mesh(reader, key, skins, kept));
+  const auto read_image = [&](std::size_t i) {
+    try {
+      scene_.images[i] =
+          load_image(materials_.images[i], uris_, options_.decode_images, reductions_[i], texels, odd[i]);
+    } catch (const Error& cause) {
+      lost[i] = cause;
     }
-    reader.report_ignored(root_);
   };
-  parallel_for(0, image_count + 1, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t task = begin; task < end; ++task) {
-      if (task == 0) {
+  bool has_meshes = false;
+  for (const std::vector<std::size_t>& batch : image_batches_) {
+    const std::size_t first = has_meshes ? 0 : 1;
+    parallel_for(0, first + batch.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t task = begin; task < end; ++task) {
+        if (task >= first) {
+          read_image(batch[task - first]);
+          continue;
+        }
         try {
-          read_meshes();
+          read_meshes(kept);
         } catch (...) {
           error = std::current_exception();
         }
-      } else if (scene_.images[task - 1] == nullptr) {
-        try {
-          scene_.images[task - 1] =
-              load_image(materials_.images[task - 1], uris_, options_.decode_images, texels, odd[task - 1]);
-        } catch (const Error& cause) {
-          lost[task - 1] = cause;
-        }
       }
-    }
-  });
-  if (error) std::rethrow_exception(error);
+    });
+    has_meshes = true;
+    if (error) std::rethrow_exception(error);
+  }
   if (texels > kMostTexels) {
-    throw root_.at("images").error(fmt::format("the textures have more than {} texels in total", kMostTexels));
+    throw root_.at("images").error(fmt::format(
+        "the textures have more than {} texels in total; limit what they take (--texture-memory)", kMostTexels));
   }
   for (std::size_t i = 0; i < image_count; ++i) {
+    const int number = materials_.images[i].file_index;
     if (!odd[i].empty()) warnings_.warn(odd[i], materials_.images[i].label);
     if (lost[i]) {
       lose_image(i, *lost[i]);
-    } else if (kept != nullptr && kept->lost_images.contains(number_of_image(i))) {
+    } else if (kept != nullptr && kept->lost_images.contains(number)) {
       drop_image(static_cast<int>(i), scene_.textures, scene_.materials);
     }
     if (kept == nullptr) continue;
-    kept->images.emplace(number_of_image(i), scene_.images[i]);
-    if (lost[i]) kept->lost_images.insert(number_of_image(i));
+    kept->images.emplace(number, scene_.images[i]);
+    if (lost[i]) kept->lost_images.insert(number);
   }
 }
 
@@ -568,6 +689,7 @@ Scene Loader::load(const FileInfo& info, const std::optional<Pose>& pose, Kept* 
   check_extensions(root_, info, options_.refuse_unknown_required, warnings_);
   variant_ = find_variant(root_, info, options_.variant);
   is_posed_ = pose.has_value();
+  is_animated_ = !info.animations.empty();
   check_channels(root_, document_.json(), warnings_);
   std::vector<AnimatedMoment> moments;
   for (const std::size_t index : pose ? find_animations(root_, pose->animation) : std::vector<std::size_t>()) {

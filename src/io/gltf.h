@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -36,6 +37,12 @@ struct LoadOptions {
   /// asks for no tangents that the file has not; all others are read. Damage in what is not unpacked goes unseen, and
   /// such a scene fails validate().
   bool unpack_geometry = true;
+  /// Most bytes that the materials' images may take; 0 = as many as they have. The largest are halved, each texel the
+  /// mean of those that it replaces, in linear light where they are colours, until all fit, which is one warning. While
+  /// they are read, one more is there at its full size. An Error where even one texel of each is too much.
+  std::uint64_t texture_memory = 0;
+  /// True: it is what the rasterizer keeps of them that has to fit, with all smaller levels.
+  bool counts_texture_levels = false;
 };
 
 /// A moment of an animation.
@@ -117,7 +124,8 @@ Scene load_gltf(std::span<const std::byte> bytes, const std::filesystem::path& b
 Scene load_gltf(std::span<const std::byte> bytes, const std::filesystem::path& base_folder, Diagnostics& diagnostics,
                 const LoadOptions& options, FileInfo* info = nullptr);
 
-/// A file kept open: its scene at any moment. What does not move is read and decoded once.
+/// A file kept open: its scene at any moment. What does not move is read and decoded once, meshes of a file
+/// without animations for each scene.
 class GltfFile {
  public:
   /// As load_gltf(); says in `info` what is known before the scene is read.

@@ -125,13 +125,47 @@ std::vector<std::uint32_t> decode_whole(std::span<const std::byte> bytes, std::s
 }  // namespace
 
 AccessorReader::AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes, Warnings& warnings)
-    : root_(root), buffers_(buffers), file_bytes_(file_bytes), warnings_(warnings) {
+    : root_(root),
+      buffers_(buffers),
+      file_bytes_(file_bytes),
+      warnings_(warnings),
+      charged_(std::make_shared<std::atomic<std::uint64_t>>(0)) {
   for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
     const auto names = root_.find(list);
     for (std::size_t i = 0; names && i < names->size(); ++i) {
       const std::string name = (*names)[i].string();
       has_restarts_ |= name == "EXT_mesh_primitive_restart" || name == "KHR_mesh_primitive_restart";
     }
+  }
+}
+
+AccessorReader::AccessorReader(const AccessorReader& other, Warnings& warnings)
+    : root_(other.root_),
+      buffers_(other.buffers_),
+      file_bytes_(other.file_bytes_),
+      warnings_(warnings),
+      charged_(other.charged_),
+      has_restarts_(other.has_restarts_) {}
+
+void AccessorReader::prepare_accessor(const JsonView& reference) {
+  const JsonView json = root_.at("accessors")[reference.index(count_of(root_, "accessors"), "accessor")];
+  if (const auto view = json.find("bufferView"); view && !buffers_.find_undefined(*view)) buffers_.view(*view);
+  if (const auto sparse = json.find("sparse")) {
+    for (const char* part : {"indices", "values"}) buffers_.view(sparse->at(part).at("bufferView"));
+  }
+}
+
+void AccessorReader::prepare(const JsonView& primitive) {
+  const auto draco = primitive.extension("KHR_draco_mesh_compression");
+  // Beside Draco data there may be a fallback, which nobody needs.
+  if (const auto indices = primitive.find("indices"); indices && !draco) prepare_accessor(*indices);
+  const JsonView attributes = primitive.at("attributes");
+  for (const std::string& name : attributes.keys()) {
+    if (!draco || !draco->at("attributes").find(name.c_str())) prepare_accessor(attributes.at(name.c_str()));
+  }
+  const auto targets = primitive.find("targets");
+  for (std::size_t i = 0; targets && i < targets->size(); ++i) {
+    for (const std::string& name : (*targets)[i].keys()) prepare_accessor((*targets)[i].at(name.c_str()));
   }
 }
 
@@ -177,8 +211,7 @@ bool AccessorReader::open_draco(std::size_t index, Accessor& accessor) {
 }
 
 void AccessorReader::charge(std::uint64_t bytes, const JsonView& cause) {
-  charged_ += bytes;
-  if (charged_ > kBudgetBase + kBudgetPerByte * (file_bytes_ + buffers_.loaded_bytes())) {
+  if (charged_->fetch_add(bytes) + bytes > kBudgetBase + kBudgetPerByte * (file_bytes_ + buffers_.loaded_bytes())) {
     throw cause.error("the geometry would become far larger than the file; refusing to load it");
   }
 }

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "base/large_pages.h"
 #include "io/gltf_document.h"
 #include "io/gltf_warnings.h"
 #include "math/types.h"
@@ -41,6 +44,14 @@ using Selection = std::optional<std::span<const std::uint32_t>>;
 class AccessorReader {
  public:
   AccessorReader(const JsonView& root, GltfBuffers& buffers, std::uint64_t file_bytes, Warnings& warnings);
+  /// A reader for another thread, which counts with this one; all that both may read has been prepared.
+  AccessorReader(const AccessorReader& other, Warnings& warnings);
+  AccessorReader(const AccessorReader&) = delete;
+  AccessorReader& operator=(const AccessorReader&) = delete;
+
+  /// Reads and unpacks the buffer views of a primitive's accessors, so that several threads may look into them. Throws
+  /// Error as reading them would.
+  void prepare(const JsonView& primitive);
 
   /// From here on accessors are those of `primitive`: where it has KHR_draco_mesh_compression they hold what the Draco
   /// data says, whatever its fallback does.
@@ -56,7 +67,8 @@ class AccessorReader {
   std::vector<V> read_as(const Accessor& accessor, const Selection& selection = std::nullopt) {
     const std::size_t count = selection ? selection->size() : accessor.count;
     charge(std::uint64_t{count} * sizeof(V), accessor.json);
-    std::vector<V> result(count);
+    std::vector<V> result;
+    resize_large(result, count);
     read(accessor, selection, reinterpret_cast<float*>(result.data()));
     return result;
   }
@@ -67,9 +79,12 @@ class AccessorReader {
 
   /// Counts `bytes` of memory on behalf of `cause`; throws Error when the file asks for more than its size can explain.
   void charge(std::uint64_t bytes, const JsonView& cause);
+  std::uint64_t charged() const { return *charged_; }
+  void set_charged(std::uint64_t bytes) { *charged_ = bytes; }
 
  private:
   void read(const Accessor& accessor, const Selection& selection, float* out) const;
+  void prepare_accessor(const JsonView& reference);
   void open_sparse(Accessor& accessor, const JsonView& sparse);
   bool open_draco(std::size_t index, Accessor& accessor);
 
@@ -84,7 +99,7 @@ class AccessorReader {
   GltfBuffers& buffers_;
   std::uint64_t file_bytes_;
   Warnings& warnings_;
-  std::uint64_t charged_ = 0;
+  std::shared_ptr<std::atomic<std::uint64_t>> charged_;
   std::map<std::size_t, DracoSource> draco_;  ///< of the primitive, by accessor
   bool has_restarts_ = false;
 };

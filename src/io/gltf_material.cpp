@@ -126,23 +126,54 @@ MaterialSet read_materials(const JsonView& root, const std::vector<bool>& used, 
   return set;
 }
 
-std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const UriReader& uris, bool decode,
-                                               std::atomic<std::uint64_t>& texels, std::string& oddity) {
+namespace {
+
+/// Calls `f` with the bytes of an image, wherever they are.
+template <class F>
+auto with_bytes(const ImageSource& source, const UriReader& uris, const F& f) {
   if (source.failure) throw Error(*source.failure);
   std::vector<std::byte> storage;
   if (source.uri) storage = uris.read(*source.uri);
   const std::span<const std::byte> bytes = source.uri ? std::span<const std::byte>(storage) : source.bytes;
   if (const char* format = foreign_format(bytes))
     throw Error(fmt::format("{} images are not supported", format), source.label);
-  const ImageHeader header = read_image_header(bytes, source.label);
-  oddity = image_oddity(header);
-  const std::uint64_t count = static_cast<std::uint64_t>(header.size.x) * static_cast<std::uint64_t>(header.size.y);
-  if (texels.fetch_add(count) + count > kMostTexels) return nullptr;
-  if (decode) return std::make_shared<const TextureImage>(decode_texture(bytes, source.label));
-  auto image = std::make_shared<TextureImage>();
-  image->width = header.size.x;
-  image->height = header.size.y;
-  return image;
+  return f(bytes, read_image_header(bytes, source.label));
+}
+
+std::uint64_t texel_count(ivec2 size) {
+  return static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y);
+}
+
+}  // namespace
+
+std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const UriReader& uris, bool decode,
+                                               const Reduction& reduction, std::atomic<std::uint64_t>& texels,
+                                               std::string& oddity) {
+  using Result = std::shared_ptr<const TextureImage>;
+  return with_bytes(source, uris, [&](std::span<const std::byte> bytes, const ImageHeader& header) -> Result {
+    oddity = image_oddity(header);
+    const std::uint64_t count = texel_count(size_of_level(header.size, reduction.level));
+    if (texels.fetch_add(count) + count > kMostTexels) return nullptr;
+    if (decode) {
+      TextureImage image = decode_texture(bytes, source.label);
+      if (reduction.level > 0) image = reduced(image, reduction.level, reduction.kind);
+      return std::make_shared<const TextureImage>(std::move(image));
+    }
+    auto image = std::make_shared<TextureImage>();
+    image->width = header.size.x;
+    image->height = header.size.y;
+    return image;
+  });
+}
+
+TextureExtent measure_image(const ImageSource& source, const UriReader& uris) {
+  try {
+    return with_bytes(source, uris, [](std::span<const std::byte>, const ImageHeader& header) {
+      return TextureExtent{.size = header.size, .bits = header.bits};
+    });
+  } catch (const Error&) {
+    return {};  // what it is replaced by
+  }
 }
 
 bool drop_image(int image, std::span<const Texture> textures, std::span<Material> materials) {

@@ -11,6 +11,7 @@
 #include "image/image_file.h"
 #include "io/gltf_document.h"
 #include "io/gltf_warnings.h"
+#include "io/texture_budget.h"
 #include "scene/scene.h"
 
 namespace candela::io {
@@ -49,11 +50,15 @@ inline constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 31;
 /// What is odd about an image that can be read; empty where nothing is.
 std::string image_oddity(const ImageHeader& header);
 
-/// Decodes one image, or only measures it, and says what is odd about it. `texels` counts all images together; beyond
-/// kMostTexels none is decoded, the result is null, and the caller refuses the file. Throws Error for what cannot be
-/// read. Thread-safe.
+/// Decodes one image, or only measures it, and says what is odd about it. `texels` counts what is kept of all images
+/// together; beyond kMostTexels none is decoded, the result is null, and the caller refuses the file. Throws Error for
+/// what cannot be read. Thread-safe.
 std::shared_ptr<const TextureImage> load_image(const ImageSource& source, const UriReader& uris, bool decode,
-                                               std::atomic<std::uint64_t>& texels, std::string& oddity);
+                                               const Reduction& reduction, std::atomic<std::uint64_t>& texels,
+                                               std::string& oddity);
+
+/// The size and the depth of an image; one texel where it cannot be read. Thread-safe.
+TextureExtent measure_image(const ImageSource& source, const UriReader& uris);
 
 /// Empties the slots that would read an image of the scene, and darkens what an emissive texture of it should make
 /// glow; whether there was any.

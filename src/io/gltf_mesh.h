@@ -66,6 +66,11 @@ class MeshReader {
         default_material_(default_material),
         variant_(variant) {}
 
+  /// The same for another thread.
+  MeshReader(const MeshReader& other, AccessorReader& reader, Warnings& warnings)
+      : MeshReader(reader, warnings, other.materials_, other.material_of_file_, other.default_material_,
+                   other.variant_) {}
+
   Mesh read(const JsonView& json, int file_index, const MeshPose& pose);
 
   /// The mesh as its accessors describe it, of stand-ins; empty where only unpacking it would show all that is counted
@@ -75,8 +80,10 @@ class MeshReader {
   /// Of the materials of each primitive of a mesh.
   std::vector<VertexNeeds> needs(const JsonView& json) const;
 
-  /// Says once how many primitives were points or lines.
+  /// Says once how many primitives were points or lines, of this reader and of those that were added.
   void report_ignored(const JsonView& root);
+  void add_ignored(std::size_t count) { ignored_ += count; }
+  std::size_t ignored() const { return ignored_; }
 
  private:
   std::optional<Primitive> read_primitive(const JsonView& json, const MeshPose& pose);

@@ -175,7 +175,7 @@ FileSurvey::Image Surveyor::survey_image(const ImageSource& source, bool decode,
     }
     std::string oddity;
     const auto read = load_image({source.json, source.label, source.file_index, bytes, std::nullopt, std::nullopt},
-                                 uris_, decode, texels, oddity);
+                                 uris_, decode, {}, texels, oddity);
     if (read == nullptr) {
       throw Error(fmt::format("the textures have more than {} texels in total", kMostTexels), source.label);
     }

@@ -17,8 +17,14 @@ class Warnings {
   void warn(const std::string& message, const std::string& where) {
     if (given_.insert(message).second) diagnostics_.warn(message, where);
   }
-  void note(const std::string& message, const JsonView& place) {
-    if (given_.insert(message).second) diagnostics_.note(message, place.where());
+  void note(const std::string& message, const JsonView& place) { note(message, place.where()); }
+  void note(const std::string& message, const std::string& where) {
+    if (given_.insert(message).second) diagnostics_.note(message, where);
+  }
+  /// What another thread has collected.
+  void add(const Diagnostics& others) {
+    for (const Diagnostic& d : others.warnings()) warn(d.message, d.where);
+    for (const Diagnostic& d : others.notes()) note(d.message, d.where);
   }
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "base/large_pages.h"
 
 namespace candela {
 
@@ -75,7 +76,7 @@ Distribution2D::Distribution2D(std::span<const float> weights, int width, int he
   CANDELA_CHECK_EQ(weights.size(), width_ * height_);
   CANDELA_CHECK(width_ > 0 && width_ <= 65536);
   guide_size_ = std::max<std::size_t>(width_ / kGuideCells, 1);
-  cdf_.resize(height_ * (width_ + 1));
+  resize_large(cdf_, height_ * (width_ + 1));
   guide_.resize(height_ * (guide_size_ + 1));
   std::vector<float> sums(height_);
   for (std::size_t y = 0; y < height_; ++y) {

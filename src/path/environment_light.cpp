@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/check.h"
+#include "base/large_pages.h"
 #include "scene/environment.h"
 #include "shade/footprint.glsl.h"
 
@@ -47,7 +48,7 @@ EnvironmentLight::EnvironmentLight(const Environment& environment) {
   }
   width_ = map.width;
   height_ = map.height;
-  texels_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  resize_large(texels_, static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
       texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] =

@@ -5,6 +5,8 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/large_pages.h"
+#include "base/parallel.h"
 #include "math/hash.h"
 #include "path/bodies.h"
 #include "path/displacement.h"
@@ -151,47 +153,66 @@ GeometryHandle make_triangles(RTCDevice device, MeshData& mesh) {
   return geometry;
 }
 
-std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& material, const Placement* to_world) {
-  Primitive relief;
-  const TextureReader& height = material.texture<&Material::height_texture>();
-  if (height) relief = displaced(flat, material.factors, height);
-  const Primitive& primitive = height ? relief : flat;
-  auto mesh = std::make_unique<MeshData>();
-  mesh->material = &material;
-  mesh->is_mirrored = to_world != nullptr && to_world->is_mirrored;
-  mesh->triangles = primitive.triangles;
-  mesh->tangents = material.needs_tangents ? primitive.tangents : std::vector<vec4>{};
-  mesh->uv1 = primitive.uvs[1];
-  for (const auto& [set, uvs] : primitive.uvs) {
-    if (set > 1 && !uvs.empty()) mesh->more_uvs.emplace_back(static_cast<int>(set), uvs);
-  }
-  mesh->colors = primitive.colors;
-  mesh->vertices.resize(primitive.positions.size());
-  for (std::size_t i = 0; i < mesh->vertices.size(); ++i) {
-    ShadeVertex& v = mesh->vertices[i];
-    v.position = primitive.positions[i];
-    v.normal = primitive.normals[i];
-    v.uv0 = primitive.uvs[0].empty() ? vec2(0.0f) : primitive.uvs[0][i];
-    if (to_world != nullptr) {
+constexpr std::size_t kVertexGrain = 1 << 14;
+
+void fill_vertices(const Primitive& primitive, const Placement* to_world, std::vector<ShadeVertex>& vertices) {
+  const std::vector<vec2>& uvs = primitive.uvs[0];
+  parallel_for(0, vertices.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      ShadeVertex& v = vertices[i];
+      v.position = primitive.positions[i];
+      v.normal = primitive.normals[i];
+      v.uv0 = uvs.empty() ? vec2(0.0f) : uvs[i];
+      if (to_world == nullptr) continue;
       v.position = transform_point(to_world->world_from_object, v.position);
       const vec3 n = to_world->world_from_normal * v.normal;
       const float length = glm::length(n);
       v.normal = length > 0.0f ? n / length : vec3(0, 1, 0);
     }
-  }
-  if (to_world != nullptr) {
-    for (vec4& t : mesh->tangents) {
-      t = vec4(mat3(to_world->world_from_object) * vec3(t), to_world->is_mirrored ? -t.w : t.w);
+  });
+}
+
+/// Of a mesh in world space.
+std::vector<vec4> turned(const std::vector<vec4>& tangents, const Placement& to_world) {
+  std::vector<vec4> result(tangents.size());
+  parallel_for(0, tangents.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const vec4& t = tangents[i];
+      result[i] = vec4(mat3(to_world.world_from_object) * vec3(t), to_world.is_mirrored ? -t.w : t.w);
     }
+  });
+  return result;
+}
+
+std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& material, const Placement* to_world) {
+  auto mesh = std::make_unique<MeshData>();
+  const TextureReader& height = material.texture<&Material::height_texture>();
+  if (height) mesh->relief = displaced(flat, material.factors, height);
+  const Primitive& primitive = height ? mesh->relief : flat;
+  mesh->material = &material;
+  mesh->is_mirrored = to_world != nullptr && to_world->is_mirrored;
+  mesh->triangles = primitive.triangles;
+  mesh->uv1 = primitive.uvs[1];
+  for (const auto& [set, uvs] : primitive.uvs) {
+    if (set > 1 && !uvs.empty()) mesh->more_uvs.emplace_back(static_cast<int>(set), uvs);
   }
+  mesh->colors = primitive.colors;
+  resize_large(mesh->vertices, primitive.positions.size());
+  fill_vertices(primitive, to_world, mesh->vertices);
+  if (!material.needs_tangents) return mesh;
+  const bool is_turned = to_world != nullptr && mat3(to_world->world_from_object) != mat3(1.0f);
+  if (is_turned) mesh->own_tangents = turned(primitive.tangents, *to_world);
+  mesh->tangents = is_turned ? mesh->own_tangents : primitive.tangents;
   return mesh;
 }
 
 /// Multiplies the opacity of a mesh.
 void fade(MeshData& mesh, float opacity) {
   if (opacity == 1.0f) return;
-  if (mesh.colors.empty()) mesh.colors.assign(mesh.vertices.size(), vec4(1.0f));
-  for (vec4& color : mesh.colors) color.w *= opacity;
+  mesh.own_colors.assign(mesh.colors.begin(), mesh.colors.end());
+  if (mesh.own_colors.empty()) mesh.own_colors.assign(mesh.vertices.size(), vec4(1.0f));
+  for (vec4& color : mesh.own_colors) color.w *= opacity;
+  mesh.colors = mesh.own_colors;
 }
 
 Placement make_placement(const Node& node, int index, int number) {
@@ -267,7 +288,7 @@ MaterialData::MaterialData(const Scene& scene, const Material& material, const s
 }
 
 vec2 MeshData::uv(const uvec3& t, vec3 b, int set) const {
-  const auto mean = [&](const std::vector<vec2>& uvs) { return uvs[t.x] * b.x + uvs[t.y] * b.y + uvs[t.z] * b.z; };
+  const auto mean = [&](std::span<const vec2> uvs) { return uvs[t.x] * b.x + uvs[t.y] * b.y + uvs[t.z] * b.z; };
   if (set == 1 && !uv1.empty()) return mean(uv1);
   if (set > 1) {
     for (const auto& [number, uvs] : more_uvs) {

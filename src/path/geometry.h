@@ -54,14 +54,15 @@ struct ShadeVertex {
   vec2 uv0;
 };
 
-/// One primitive as the path tracer stores it; in world space when it is placed once.
+/// One primitive as the path tracer stores it; in world space when it is placed once. What is the same there as in the
+/// scene is the scene's own array.
 struct MeshData {
   std::vector<ShadeVertex> vertices;
-  std::vector<uvec3> triangles;
-  std::vector<vec4> tangents;
-  std::vector<vec2> uv1;
-  std::vector<std::pair<int, std::vector<vec2>>> more_uvs;  ///< further sets, by number
-  std::vector<vec4> colors;
+  std::span<const uvec3> triangles;
+  std::span<const vec4> tangents;
+  std::span<const vec2> uv1;
+  std::vector<std::pair<int, std::span<const vec2>>> more_uvs;  ///< further sets, by number
+  std::span<const vec4> colors;
   const MaterialData* material = nullptr;
   bool is_mirrored = false;  ///< in world space, by a node of negative determinant: the winding is reversed
 
@@ -70,6 +71,11 @@ struct MeshData {
   vec4 color(const uvec3& t, vec3 b) const;
   /// Base colour alpha after the alpha mode: 0 or 1 for masks. `t` a triangle, `b` barycentric weights.
   float opacity(const uvec3& t, vec3 b) const;
+
+  // What the arrays above show where they are not the scene's.
+  Primitive relief;  ///< of a material with a height texture
+  std::vector<vec4> own_tangents;
+  std::vector<vec4> own_colors;
 };
 
 /// A primitive of a node: which data, and how it stands in the world.
@@ -120,6 +126,7 @@ struct RayPacket {
 /// Everything that rays can hit: Embree's tree, and the data to shade a hit. Meshes used by many nodes are stored once.
 class Geometry {
  public:
+  /// Keeps no copy of what it can read in `scene`, which must outlive it.
   explicit Geometry(const Scene& scene, const shade::ShadingModel& model = shade::shading_model_candela());
   ~Geometry();
   Geometry(const Geometry&) = delete;

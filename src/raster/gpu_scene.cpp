@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <set>
 #include <span>
 #include <utility>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "raster/material_block.h"
 #include "raster/mips.h"
 #include "scene/surface_params.h"
@@ -16,33 +18,46 @@ namespace candela::raster {
 
 namespace {
 
-/// As the shaders' attributes lie in a buffer.
-struct Vertex {
-  vec3 position;
-  vec3 normal;
-  vec4 tangent;
-  vec4 uv;
-  vec4 color;
+/// How the floats of a vertex lie in a buffer; attributes that a primitive has not take no room.
+struct VertexLayout {
+  static constexpr std::size_t kNormal = 3, kUv = 6;
+  std::size_t tangent = 10, color = 10, floats = 10;
+  bool has_tangents, has_colors;
+
+  explicit VertexLayout(const Primitive& p) : has_tangents(!p.tangents.empty()), has_colors(!p.colors.empty()) {
+    if (has_tangents) color = floats += 4;
+    if (has_colors) floats += 4;
+  }
 };
 
-void attribute(GLuint location, GLint size, std::size_t offset, GLsizei stride) {
+/// Of `size` floats from float `first` of each vertex on.
+void attribute(GLuint location, GLint size, std::size_t first, std::size_t floats) {
   glEnableVertexAttribArray(location);
+  const auto stride = static_cast<GLsizei>(floats * sizeof(float));
   // NOLINTNEXTLINE(performance-no-int-to-ptr): so GL takes an offset
-  glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(offset));
+  glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, stride,
+                        reinterpret_cast<const void*>(first * sizeof(float)));
 }
 
-std::vector<Vertex> interleave(const Primitive& p, vec3 middle) {
-  std::vector<Vertex> vertices(p.positions.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    Vertex& v = vertices[i];
-    v.position = p.positions[i] - middle;
-    v.normal = p.normals[i];
-    v.tangent = p.tangents.empty() ? vec4(0.0f) : p.tangents[i];
-    const vec2 uv0 = p.uvs[0].empty() ? vec2(0.0f) : p.uvs[0][i];
-    // Without a second set the first serves, as in the path tracer.
-    v.uv = vec4(uv0, p.uvs[1].empty() ? uv0 : p.uvs[1][i]);
-    v.color = p.colors.empty() ? vec4(1.0f) : p.colors[i];
-  }
+template <class V>
+void put(float* out, const V& value) {
+  std::memcpy(out, &value[0], sizeof value);
+}
+
+std::vector<float> interleave(const Primitive& p, vec3 middle, const VertexLayout& layout) {
+  std::vector<float> vertices(p.positions.size() * layout.floats);
+  parallel_for(0, p.positions.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      float* v = vertices.data() + i * layout.floats;
+      put(v, p.positions[i] - middle);
+      put(v + VertexLayout::kNormal, p.normals[i]);
+      const vec2 uv0 = p.uvs[0].empty() ? vec2(0.0f) : p.uvs[0][i];
+      // Without a second set the first serves, as in the path tracer.
+      put(v + VertexLayout::kUv, vec4(uv0, p.uvs[1].empty() ? uv0 : p.uvs[1][i]));
+      if (layout.has_tangents) put(v + layout.tangent, p.tangents[i]);
+      if (layout.has_colors) put(v + layout.color, p.colors[i]);
+    }
+  });
   return vertices;
 }
 
@@ -219,16 +234,17 @@ GpuPrimitive GpuScene::upload(const Primitive& p) const {
   gpu.index_count = static_cast<GLsizei>(3 * p.triangles.size());
   for (const vec3& position : p.positions) gpu.bounds.extend(position);
   if (!gpu.bounds.empty()) gpu.middle = 0.5f * gpu.bounds.lower + 0.5f * gpu.bounds.upper;
-  const std::vector<Vertex> vertices = interleave(p, gpu.middle);
+  const VertexLayout layout(p);
+  const std::vector<float> vertices = interleave(p, gpu.middle, layout);
   glBindVertexArray(gpu.attributes);
   glBindBuffer(GL_ARRAY_BUFFER, gpu.vertices);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(),
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(float)), vertices.data(),
                GL_STATIC_DRAW);
-  attribute(0, 3, offsetof(Vertex, position), sizeof(Vertex));
-  attribute(1, 3, offsetof(Vertex, normal), sizeof(Vertex));
-  attribute(2, 4, offsetof(Vertex, tangent), sizeof(Vertex));
-  attribute(3, 4, offsetof(Vertex, uv), sizeof(Vertex));
-  attribute(4, 4, offsetof(Vertex, color), sizeof(Vertex));
+  attribute(0, 3, 0, layout.floats);
+  attribute(1, 3, VertexLayout::kNormal, layout.floats);
+  if (layout.has_tangents) attribute(2, 4, layout.tangent, layout.floats);
+  attribute(3, 4, VertexLayout::kUv, layout.floats);
+  if (layout.has_colors) attribute(4, 4, layout.color, layout.floats);
   const std::vector<int>& more_sets = materials_[static_cast<std::size_t>(p.material)].more_sets;
   if (!more_sets.empty()) {
     const std::vector<vec4> more = interleave_more(p, more_sets);
@@ -236,7 +252,7 @@ GpuPrimitive GpuScene::upload(const Primitive& p) const {
     glBindBuffer(GL_ARRAY_BUFFER, gpu.more_uvs);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(more.size() * sizeof(vec4)), more.data(), GL_STATIC_DRAW);
     for (std::size_t k = 0; k < pairs; ++k) {
-      attribute(static_cast<GLuint>(9 + k), 4, k * sizeof(vec4), static_cast<GLsizei>(pairs * sizeof(vec4)));
+      attribute(static_cast<GLuint>(9 + k), 4, 4 * k, 4 * pairs);
     }
   }
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.indices);
@@ -486,9 +502,12 @@ void GpuScene::bind_draw(std::size_t first) const {
   glBindVertexArray(p.attributes);
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
   for (GLuint row = 0; row < 4; ++row) {
-    attribute(5 + row, 4, first * sizeof(std::array<vec4, 4>) + row * sizeof(vec4), sizeof(std::array<vec4, 4>));
+    attribute(5 + row, 4, 16 * first + 4 * row, 16);
     glVertexAttribDivisor(5 + row, 1);
   }
+  // Of vertices that have none; a draw call may leave them undefined.
+  glVertexAttrib4f(2, 0.0f, 0.0f, 0.0f, 0.0f);
+  glVertexAttrib4f(4, 1.0f, 1.0f, 1.0f, 1.0f);
   glFrontFace(d.is_mirrored ? GL_CW : GL_CCW);
 }
 

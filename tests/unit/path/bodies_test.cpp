@@ -139,7 +139,8 @@ TEST(unit_path_bodies, parts_of_a_body_are_found_by_their_edges) {
   const auto is_far = [](int face) { return face == kFar; };
   const auto is_not_far = [](int face) { return face != kFar; };
   const auto bodies_of = [](const SceneBuilder& b) {
-    const path::Geometry geometry(b.build());
+    const Scene scene = b.build();
+    const path::Geometry geometry(scene);
     int open = 0;
     for (const path::Body& body : geometry.bodies()) open += body.is_open ? 1 : 0;
     return ivec2(static_cast<int>(geometry.bodies().size()) - 1, open);
