@@ -121,13 +121,15 @@ std::uint64_t Guide::bytes() const {
 }
 
 GuideLearner::GuideLearner(const Guide& guide, bool has_sky)
-    : guide_(guide), has_sky_(has_sky), tallies_(guide.regions_.size()), light_(guide.quads_.size()) {}
+    : guide_(guide), has_sky_(has_sky), tallies_(guide.regions_.size()), found_(guide.quads_.size()) {}
 
 void GuideLearner::add(std::span<const GuideRecord> records) {
   for (const GuideRecord& record : records) {
     RegionTally& region = tallies_[record.region];
     ++region.count;
-    light_[record.cell / 4][record.cell % 4] += static_cast<double>(record.light);
+    Found& found = found_[record.cell / 4][record.cell % 4];
+    found.light += static_cast<double>(record.light);
+    found.paths += record.light > 0.0f ? 1.0 : 0.0;
     if (!(record.reflected > 0.0f)) continue;
     const auto kind = static_cast<std::size_t>(record.kind);
     ++region.kinds[kind].found;
@@ -224,39 +226,38 @@ void GuideLearner::divide_space(Growth& growth, std::uint32_t cell, const Box3& 
   divide_space(growth, first + 1, upper, region, 0.5 * count);
 }
 
-double GuideLearner::light_of(std::uint32_t quad) const {
-  double sum = 0.0;
+GuideLearner::Found GuideLearner::found_in(std::uint32_t quad, std::size_t quarter) const {
+  const std::uint32_t child = guide_.quads_[quad].children[quarter];
+  if (child == 0) return found_[quad][quarter];
+  Found sum;
   for (std::size_t q = 0; q < 4; ++q) {
-    const std::uint32_t child = guide_.quads_[quad].children[q];
-    sum += child != 0 ? light_of(child) : light_[quad][q];
+    const Found part = found_in(child, q);
+    sum.light += part.light;
+    sum.paths += part.paths;
   }
   return sum;
 }
 
-/// A quad of the new guide with this light in its quarters, divided further where it is bright. `quad` is the old one
-/// at this place, or none.
-std::uint32_t GuideLearner::grow_quads(Growth& growth, std::uint32_t quad, const std::array<double, 4>& light,
+/// A quad of the new guide with this found in its quarters, divided further where it is bright and enough paths say so:
+/// else the guide would look only where a few happened to find something. `quad` is the old one at this place, or none.
+std::uint32_t GuideLearner::grow_quads(Growth& growth, std::uint32_t quad, const std::array<Found, 4>& found,
                                        double total, int depth) const {
-  constexpr double kBright = 0.01;  // of all light in the region; Müller et al. 2017, §3.2
+  constexpr double kBright = 0.01;     // of all light in the region; Müller et al. 2017, §3.2
+  constexpr double kFewestPaths = 24;  // six for each quarter
   constexpr int kDeepest = 14;
-  constexpr std::uint32_t kNone = ~0U;
   std::vector<Guide::Quad>& quads = growth.guide.quads_;
   const auto index = static_cast<std::uint32_t>(quads.size());
   quads.emplace_back();
-  const double sum = light[0] + light[1] + light[2] + light[3];
+  const double sum = found[0].light + found[1].light + found[2].light + found[3].light;
   for (std::size_t q = 0; q < 4; ++q) {
-    if (sum > 0.0) quads[index].shares[q] = static_cast<float>(light[q] / sum);
-    if (!(light[q] > kBright * total) || depth >= kDeepest || quads.size() >= growth.most_quads) continue;
-    const std::uint32_t old = quad == kNone ? 0 : guide_.quads_[quad].children[q];
-    std::array<double, 4> inside;
-    inside.fill(0.25 * light[q]);
-    if (old != 0) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        const std::uint32_t child = guide_.quads_[old].children[k];
-        inside[k] = child != 0 ? light_of(child) : light_[old][k];
-      }
-    }
-    const std::uint32_t child = grow_quads(growth, old != 0 ? old : kNone, inside, total, depth + 1);
+    if (sum > 0.0) quads[index].shares[q] = static_cast<float>(found[q].light / sum);
+    const bool is_bright = found[q].light > kBright * total && found[q].paths > kFewestPaths;
+    if (!is_bright || depth >= kDeepest || quads.size() >= growth.most_quads) continue;
+    const std::uint32_t old = quad == kNoQuad ? 0 : guide_.quads_[quad].children[q];
+    std::array<Found, 4> inside;
+    inside.fill({0.25 * found[q].light, 0.25 * found[q].paths});
+    for (std::size_t k = 0; k < 4 && old != 0; ++k) inside[k] = found_in(old, k);
+    const std::uint32_t child = grow_quads(growth, old != 0 ? old : kNoQuad, inside, total, depth + 1);
     quads[index].children[q] = child;
   }
   return index;
@@ -264,14 +265,11 @@ std::uint32_t GuideLearner::grow_quads(Growth& growth, std::uint32_t quad, const
 
 void GuideLearner::add_region(Growth& growth, std::uint32_t cell, std::uint32_t region) const {
   const std::uint32_t root = guide_.regions_[region].root;
-  std::array<double, 4> light{};
-  for (std::size_t q = 0; q < 4; ++q) {
-    const std::uint32_t child = guide_.quads_[root].children[q];
-    light[q] = child != 0 ? light_of(child) : light_[root][q];
-  }
-  const double total = light[0] + light[1] + light[2] + light[3];
+  std::array<Found, 4> found;
+  for (std::size_t q = 0; q < 4; ++q) found[q] = found_in(root, q);
+  const double total = found[0].light + found[1].light + found[2].light + found[3].light;
   Guide::Region made;
-  made.root = grow_quads(growth, root, light, total, 0);
+  made.root = grow_quads(growth, root, found, total, 0);
   for (std::size_t kind = 0; kind < kGuidedKinds && total > 0.0; ++kind) {
     made.mixes[kind] = best_mix(tallies_[region].kinds[kind], everywhere_[kind]);
   }

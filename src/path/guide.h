@@ -123,17 +123,22 @@ class GuideLearner {
   struct Growth;
 
   void divide_space(Growth& growth, std::uint32_t cell, const Box3& box, std::uint32_t region, double count) const;
-  std::uint32_t grow_quads(Growth& growth, std::uint32_t quad, const std::array<double, 4>& light, double total,
+  struct Found {
+    double light = 0.0;
+    double paths = 0.0;  ///< that found it
+  };
+  static constexpr std::uint32_t kNoQuad = ~0U;
+  std::uint32_t grow_quads(Growth& growth, std::uint32_t quad, const std::array<Found, 4>& found, double total,
                            int depth) const;
   void add_region(Growth& growth, std::uint32_t cell, std::uint32_t region) const;
-  double light_of(std::uint32_t quad) const;
+  Found found_in(std::uint32_t quad, std::size_t quarter) const;
   GuideMix best_mix(const Tally& tally, const Tally& everywhere) const;
 
   const Guide& guide_;
   bool has_sky_;
   std::vector<RegionTally> tallies_;
   std::array<Tally, kGuidedKinds> everywhere_{};
-  std::vector<std::array<double, 4>> light_;  ///< of each quarter of each quad
+  std::vector<std::array<Found, 4>> found_;  ///< in each quarter of each quad
 };
 
 }  // namespace candela::path

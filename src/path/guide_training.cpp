@@ -171,7 +171,7 @@ bool pays(const Trial& without, const Trial& with) {
 }
 
 LearnedGuide Trainer::run() {
-  constexpr double kLeastIndirect = 0.3;  // of the error: a guide takes some of it at most
+  constexpr double kLeastIndirect = 0.5;  // of the error: a guide takes some of it at most
   constexpr std::size_t kFirstRound = 1U << 14;
 
   const bool has_sky = task_.context.lights.environment().can_sample();
