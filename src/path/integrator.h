@@ -2,8 +2,10 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "math/sobol.h"
+#include "path/guide.h"
 #include "path/lights.h"
 #include "path/render.h"
 
@@ -23,6 +25,7 @@ struct PathContext {
   bool eye_is_wide = false;        ///< camera rays start at many places, some perhaps in bodies: `start` is none's
   bool has_first_surface = false;  ///< PathSample::first is asked for
   bool has_features = false;       ///< and what a denoiser asks for
+  const Guide* guide = nullptr;    ///< that leads paths; null = they follow the material alone
 };
 
 struct RayCounts {
@@ -38,6 +41,7 @@ struct PathSample {
   vec3 through{0.0f};         ///< what that background is multiplied by: 1 there, less where it is seen through glass
   vec3 feature_albedo{1.0f};  ///< of the first surface that is neither mirror nor clear glass, times what these leave
   vec3 feature_normal{0.0f};  ///< of the same; 0 where the path ends before
+  vec3 indirect{0.0f};        ///< of the radiance: what was turned again after its first rough surface
   vec3 seen{0.0f};            ///< of the radiance: what was never reflected or refracted
   std::array<vec3, kLayers.size()> first{};  ///< what layers that have a mean say of the first surface
 
@@ -62,5 +66,9 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
 /// The third, which renders: it looks for lights as well. Radiance that comes back along a camera ray whose first hit
 /// is known. Unbiased; see docs/theory/path-tracing.md.
 PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
+
+/// The same, led by `context.guide`, which must be there; adds what it says of its vertices to `records`.
+PathSample trace_path_recorded(const PathContext& context, const Ray& ray, const Hit& hit, SobolSampler& sampler,
+                               RayCounts& counts, std::vector<GuideRecord>& records);
 
 }  // namespace candela::path
