@@ -239,7 +239,6 @@ double noise_per_sample(const std::vector<Lamp>& lamps) {
 }
 
 TEST(light_tree, thousands_of_lamps_add_little_noise) {
-  // By power alone it is above 10.
   for (const std::size_t count : {8U, 4000U}) {
     std::vector<Lamp> lamps = scattered_lamps(count, 17);
     for (Lamp& lamp : lamps) lamp.kind = Lamp::Kind::point, lamp.range = kInfinity;
