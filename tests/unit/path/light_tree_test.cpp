@@ -79,6 +79,7 @@ std::vector<Lamp> scattered_lamps(std::size_t count, std::uint64_t seed, float s
 
 LightTree tree_of(const std::vector<Lamp>& lamps) {
   std::vector<LightBounds> bounds;
+  bounds.reserve(lamps.size());
   for (const Lamp& lamp : lamps) bounds.push_back(lamp.bounds());
   return LightTree(bounds);
 }
