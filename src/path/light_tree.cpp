@@ -1,6 +1,5 @@
 #include "path/light_tree.h"
 
-
 #include "base/check.h"
 
 namespace candela::path {

@@ -137,9 +137,9 @@ double floor_noise(int count) {
 }
 
 TEST(law_path_many_lamps, three_thousand_add_little_noise) {
-  // Where each is known for certain there is none; by their power alone it was 0.3.
+  // Where each is asked there is none; were groups estimated without their distance it would be 0.01.
   EXPECT_LT(floor_noise(10), 1e-9);
-  EXPECT_LT(floor_noise(3000), 0.01);
+  EXPECT_LT(floor_noise(3000), 5e-4);
 }
 
 }  // namespace

@@ -79,6 +79,7 @@ std::vector<Lamp> scattered_lamps(std::size_t count, std::uint64_t seed, float s
 
 LightTree tree_of(const std::vector<Lamp>& lamps) {
   std::vector<LightBounds> bounds;
+  bounds.reserve(lamps.size());
   for (const Lamp& lamp : lamps) bounds.push_back(lamp.bounds());
   return LightTree(bounds);
 }
@@ -239,7 +240,6 @@ double noise_per_sample(const std::vector<Lamp>& lamps) {
 }
 
 TEST(light_tree, thousands_of_lamps_add_little_noise) {
-  // By power alone it is above 10.
   for (const std::size_t count : {8U, 4000U}) {
     std::vector<Lamp> lamps = scattered_lamps(count, 17);
     for (Lamp& lamp : lamps) lamp.kind = Lamp::Kind::point, lamp.range = kInfinity;
