@@ -101,9 +101,6 @@ void add_sampling(Command& command, RenderOptions& o) {
   add_value(command, "--integrator", "NAME", o.shot.traced.integrator, parse_integrator,
             "full; minimal: the same mean by following the material alone; surfaces: likewise, without bodies [full]")
       .group(group);
-  add_value(command, "--guiding", "auto|on|off", o.shot.traced.guiding, parse_guiding,
-            "Paths learn from each other where light comes from; auto: where that is measured to pay [auto]")
-      .group(group);
   add_value(command, "--clamp", "X", o.shot.traced.clamp, number_within(1e-6f, 1e30f),
             "Cut a sample's indirect light at radiance X: fewer bright dots, some light lost [not at all]")
       .group(group);
@@ -372,16 +369,13 @@ void check_engine(const Command& command, const RenderOptions& o) {
     }
   };
   if (is_raster) {
-    refuse(
-        {"--time", "--noise", "--denoise", "--bounces", "--seed", "--filter", "--integrator", "--guiding", "--clamp"},
-        "only for --engine path");
+    refuse({"--time", "--noise", "--denoise", "--bounces", "--seed", "--filter", "--integrator", "--clamp"},
+           "only for --engine path");
   } else {
     refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao", "--soft-shadows", "--light-radius", "--ambient",
             "--probes"},
            "only for --engine raster");
-    if (o.shot.traced.integrator != path::Integrator::full) {
-      refuse({"--guiding", "--clamp"}, "only for --integrator full");
-    }
+    if (o.shot.traced.integrator != path::Integrator::full) refuse({"--clamp"}, "only for --integrator full");
     return;
   }
   if (raster::shows_numbers(o.shot.drawn.quantity)) {

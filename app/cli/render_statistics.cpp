@@ -77,8 +77,6 @@ std::string stats_json(const RenderOptions& o, const path::Statistics& s, const 
       {"msamples_per_s", s.render_s > 0.0 ? static_cast<double>(s.samples) / s.render_s * 1e-6 : 0.0},
       {"rays", {{"camera", s.camera_rays}, {"bounce", s.bounce_rays}, {"shadow", s.shadow_rays}}},
       {"non_finite_samples", s.non_finite_samples},
-      {"guided", s.guided},
-      {"learning_paths", s.learning_paths},
       {"triangles", s.triangles},
       {"instances", s.instances},
       {"interrupted", s.interrupted},

@@ -206,12 +206,6 @@ path::Integrator parse_integrator(const std::string& text) {
   return one_of(text, names);
 }
 
-path::Guiding parse_guiding(const std::string& text) {
-  using enum path::Guiding;
-  return one_of(text, std::array<std::pair<std::string_view, path::Guiding>, 3>{
-                          {{"auto", automatic}, {"on", on}, {"off", off}}});
-}
-
 shade::ShadingModel parse_shading(const std::string& text) {
   try {
     return parse_shading_model(text);

@@ -32,7 +32,6 @@ Orbit parse_orbit(const std::string& text);          ///< "azimuth,elevation[,di
 std::set<Layer> parse_layers(const std::string& text);
 path::PixelFilter parse_filter(const std::string& text);
 path::Integrator parse_integrator(const std::string& text);
-path::Guiding parse_guiding(const std::string& text);
 shade::ShadingModel parse_shading(const std::string& text);
 
 struct BackgroundChoice {

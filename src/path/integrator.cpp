@@ -1,7 +1,6 @@
 #include "path/integrator.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "path/bodies.h"
 #include "path/place.h"
@@ -77,79 +76,12 @@ LightReceiver receiver_at(const SurfacePoint& point) {
   return {point.position, point.frame.n, shade::surface_scatters_through(point.surface) ? Side::both : Side::front};
 }
 
-/// How the next direction of a path is drawn at one surface: by what a guide has learned, by the environment as if
-/// nothing stood before it, or by the material.
-struct Lead {
-  const Guide* guide = nullptr;  ///< null where the material alone draws it
-  const EnvironmentLight* environment = nullptr;
-  std::uint32_t region = 0;
-  GuidedKind kind = GuidedKind::diffuse;
-  GuideMix mix;
-
-  bool is_by_material_alone() const { return mix.by_material() >= 1.0f; }
-  float learned_pdf(vec3 direction) const { return guide->pdf(region, direction); }
-  float sky_pdf(vec3 direction) const {
-    return environment->can_sample() ? environment->evaluate(direction).pdf : 0.0f;
-  }
-  /// Density of all together, in a world-space direction that the material draws with `bsdf_pdf`.
-  float pdf(vec3 direction, float bsdf_pdf) const {
-    float sum = mix.by_material() * bsdf_pdf;
-    if (mix.learned > 0.0f) sum += mix.learned * learned_pdf(direction);
-    if (mix.sky > 0.0f) sum += mix.sky * sky_pdf(direction);
-    return sum;
-  }
-};
-
-Lead find_lead(const PathContext& context, const SurfacePoint& point) {
-  Lead lead;
-  if (shade::surface_is_delta(point.surface)) return lead;
-  lead.guide = context.guide;
-  lead.environment = &context.lights.environment();
-  lead.region = lead.guide->find_region(point.position);
-  lead.kind = guided_kind(point.surface);
-  lead.mix = lead.guide->mix(lead.region, lead.kind);
-  return lead;
-}
-
-struct LedSample {
-  shade::SurfaceSample next;
-  float bsdf_pdf = 0.0f;  ///< of the material's part alone
-};
-
-/// A direction of any; weight and density are of all together, as one-sample multiple importance sampling by the
-/// balance heuristic (Veach 1997, §9.2.4) has them. Only the material draws what a delta lobe reflects.
-LedSample sample_led(const Lead& lead, const SurfacePoint& point, vec2 u, float u_choice) {
-  const shade::Surface& surface = point.surface;
-  const float by_others = lead.mix.learned + lead.mix.sky;
-  if (lead.is_by_material_alone()) {
-    const shade::SurfaceSample next = shade::surface_sample(surface, point.wo, {u.x, u.y, u_choice});
-    return {next, next.pdf};
-  }
-  if (u_choice < by_others) {
-    const vec3 direction =
-        u_choice < lead.mix.learned ? lead.guide->sample(lead.region, u) : lead.environment->sample(u).direction;
-    shade::SurfaceSample next{point.frame.to_local(direction), vec3(0.0f), 0.0f, false, false};
-    const shade::SurfaceEval f = shade::surface_eval(surface, point.wo, next.wi);
-    next.pdf = lead.pdf(direction, f.pdf);
-    if (next.pdf > 0.0f) next.weight = f.value / next.pdf;
-    return {next, f.pdf};
-  }
-  const float by_material = 1.0f - by_others;
-  const float u_lobe = std::min((u_choice - by_others) / by_material, 0x1.fffffep-1f);
-  shade::SurfaceSample next = shade::surface_sample(surface, point.wo, {u.x, u.y, u_lobe});
-  if (max_component(next.weight) <= 0.0f) return {next, next.pdf};
-  const float bsdf_pdf = next.pdf;
-  next.pdf = next.is_delta ? by_material * bsdf_pdf : lead.pdf(point.frame.to_world(next.wi), bsdf_pdf);
-  next.weight *= bsdf_pdf / next.pdf;
-  return {next, bsdf_pdf};
-}
-
 /// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance. Where the
 /// background is seen, the environment shines on the near side of glass only.
 template <bool kHasMedia>
 vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& crossing, const SurfacePoint& point,
-                  const Meeting& meeting, const Lead& lead, const LightChances& chances, bool sees_background,
-                  float u_choice, vec2 u, RayCounts& counts) {
+                  const Meeting& meeting, const LightChances& chances, bool sees_background, float u_choice, vec2 u,
+                  RayCounts& counts) {
   const LightSample light = context.lights.sample(chances, u_choice, u);
   if (light.pdf <= 0.0f) return vec3(0.0f);
   const bool is_outside = point.is_outside(light.direction);
@@ -179,7 +111,7 @@ vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& 
   ++counts.shadow;
   transmittance *= context.geometry.transmittance(shadow);
   if constexpr (kHasMedia) transmittance *= walk.transmittance(crossing, !is_outside, light.distance);
-  const float weight = light.is_delta ? 1.0f : mis_weight(light.pdf, lead.pdf(light.direction, f.pdf), light.mis_power);
+  const float weight = light.is_delta ? 1.0f : mis_weight(light.pdf, f.pdf, light.mis_power);
   return f.value * context.lights.radiance(light) * transmittance * (weight / light.pdf);
 }
 
@@ -248,21 +180,8 @@ void find_first_surface(const PathContext& context, const Ray& ray, PathSample& 
   record_first_surface(make_surface_point(context.geometry, hit, ray.direction, crossing.eta), sample);
 }
 
-/// A vertex whose next direction a guide may learn from.
-struct GuidedVertex {
-  Lead lead;
-  vec3 direction;
-  float pdf;        ///< it was drawn with
-  float bsdf_pdf;   ///< the material draws it with
-  vec3 weight;      ///< f·|cos θ| over that
-  vec3 throughput;  ///< of the path as it left
-  vec3 before;      ///< radiance found by then
-};
-
-/// Paths that a guide leads tell their vertices where `vertices` is not null.
-template <bool kHasMedia, bool kGuided>
-PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts,
-                 std::vector<GuidedVertex>* vertices = nullptr) {
+template <bool kHasMedia>
+PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
   PathSample sample;
   Walk walk = start_walk<kHasMedia>(context, ray.origin);
   Place place;
@@ -278,8 +197,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
   bool sees_background = context.background_in_glass;  // the path was never reflected or scattered
   bool wants_features = context.has_features;
   int passed = 0;
-  float undone = 1.0f;  // of the throughput: how often a guide has drawn what the material seldom does
-  int turns = 0;        // since and with the first rough surface
+  int turns = 0;  // since and with the first rough surface
   const auto add = [&](vec3 light) {
     sample.radiance += light;
     if (turns > 1) sample.indirect += light;
@@ -342,10 +260,8 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       if (point.is_unlit || depth == context.bounces) break;
 
       // ----- the next direction, by the material
-      Lead lead;
-      if constexpr (kGuided) lead = find_lead(context, point);
-      const LedSample led = sample_led(lead, point, u_direction, choices.y);
-      const shade::SurfaceSample& next = led.next;
+      const shade::SurfaceSample next =
+          shade::surface_sample(point.surface, point.wo, {u_direction.x, u_direction.y, choices.y});
       is_straight = next.is_straight;
 
       // ----- next-event estimation: reflected light that comes straight from a lamp. What goes straight through a
@@ -357,7 +273,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
         context.lights.find_chances(receiver_at(point), bsdf_pdf <= 0.0f, target);
         for (int i = 0; i < target.samples; ++i) {
           const vec3 light =
-              walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, lead, target,
+              walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, target,
                                                         sees_background, target.choice(i, choices.x),
                                                         target.place(i, u_light), counts);
           sample.radiance += light;
@@ -378,18 +294,10 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
         bsdf_pdf = next.is_delta ? 0.0f : next.pdf;
         drawn_at = point.ray_origin(direction);
         if (turns > 0 || !next.is_delta) ++turns;
-        if constexpr (kGuided) {
-          if (!lead.is_by_material_alone() && !next.is_delta)
-            undone *=
-                max_component(shade::surface_albedo(point.surface)) / std::max(max_component(next.weight), 1e-12f);
-          if (vertices != nullptr && !next.is_delta)
-            vertices->push_back(
-                {lead, direction, next.pdf, led.bsdf_pdf, next.weight, walk.throughput, sample.radiance});
-        }
 
         // ----- Russian roulette: paths that carry little end early, the survivors stand for them
         if (depth >= 2) {
-          const float survival = std::min(max_component(walk.throughput) * undone * walk.eta_scale, 0.95f);
+          const float survival = std::min(max_component(walk.throughput) * walk.eta_scale, 0.95f);
           if (unit_float(sampler.next_hash()) >= survival) break;
           walk.throughput /= survival;
         }
@@ -430,54 +338,12 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
 
 }  // namespace
 
-namespace {
-
-template <bool kGuided>
-PathSample trace_seen(const PathContext& context, const Ray& ray, Hit hit, SobolSampler& sampler, RayCounts& counts,
-                      std::vector<GuidedVertex>* vertices = nullptr) {
-  hit = first_visible_hit(context, ray, hit, counts);
-  if (!hit) return background_sample(context, ray.direction);
-  return context.has_media ? trace<true, kGuided>(context, ray, hit, sampler, counts, vertices)
-                           : trace<false, kGuided>(context, ray, hit, sampler, counts, vertices);
-}
-
-/// What came back along the path from a vertex's direction, of what the whole path brought.
-GuideRecord make_record(const GuidedVertex& vertex, vec3 radiance) {
-  const vec3 brought = glm::max(radiance - vertex.before, vec3(0.0f));
-  vec3 light(0.0f);
-  for (int c = 0; c < 3; ++c) {
-    if (vertex.throughput[c] > 0.0f) light[c] = brought[c] / vertex.throughput[c];
-  }
-  const Lead& lead = vertex.lead;
-  GuideRecord record;
-  record.region = lead.region;
-  record.cell = lead.guide->find_cell(lead.region, vertex.direction);
-  record.kind = lead.kind;
-  record.pdf = vertex.pdf;
-  record.bsdf_pdf = vertex.bsdf_pdf;
-  record.learned_pdf = lead.learned_pdf(vertex.direction);
-  record.sky_pdf = lead.sky_pdf(vertex.direction);
-  record.light = luminance(light) / vertex.pdf;
-  record.reflected = luminance(vertex.weight * light);
-  if (!std::isfinite(record.light) || !std::isfinite(record.reflected)) record.light = record.reflected = 0.0f;
-  return record;
-}
-
-}  // namespace
-
 PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
-  PathSample sample = context.guide != nullptr ? trace_seen<true>(context, ray, hit, sampler, counts)
-                                               : trace_seen<false>(context, ray, hit, sampler, counts);
+  hit = first_visible_hit(context, ray, hit, counts);
+  PathSample sample = !hit                ? background_sample(context, ray.direction)
+                      : context.has_media ? trace<true>(context, ray, hit, sampler, counts)
+                                          : trace<false>(context, ray, hit, sampler, counts);
   if (context.has_first_surface) find_first_surface(context, ray, sample);
-  return sample;
-}
-
-PathSample trace_path_recorded(const PathContext& context, const Ray& ray, const Hit& hit, SobolSampler& sampler,
-                               RayCounts& counts, std::vector<GuideRecord>& records) {
-  thread_local std::vector<GuidedVertex> vertices;
-  vertices.clear();
-  PathSample sample = trace_seen<true>(context, ray, hit, sampler, counts, &vertices);
-  for (const GuidedVertex& vertex : vertices) records.push_back(make_record(vertex, sample.radiance));
   return sample;
 }
 

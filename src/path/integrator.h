@@ -2,10 +2,8 @@
 
 #include <array>
 #include <span>
-#include <vector>
 
 #include "math/sobol.h"
-#include "path/guide.h"
 #include "path/lights.h"
 #include "path/render.h"
 
@@ -25,7 +23,6 @@ struct PathContext {
   bool eye_is_wide = false;        ///< camera rays start at many places, some perhaps in bodies: `start` is none's
   bool has_first_surface = false;  ///< PathSample::first is asked for
   bool has_features = false;       ///< and what a denoiser asks for
-  const Guide* guide = nullptr;    ///< that leads paths; null = they follow the material alone
 };
 
 struct RayCounts {
@@ -66,9 +63,5 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
 /// The third, which renders: it looks for lights as well. Radiance that comes back along a camera ray whose first hit
 /// is known. Unbiased; see docs/theory/path-tracing.md.
 PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
-
-/// The same, led by `context.guide`, which must be there; adds what it says of its vertices to `records`.
-PathSample trace_path_recorded(const PathContext& context, const Ray& ray, const Hit& hit, SobolSampler& sampler,
-                               RayCounts& counts, std::vector<GuideRecord>& records);
 
 }  // namespace candela::path

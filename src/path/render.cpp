@@ -15,7 +15,6 @@
 #include "path/bodies.h"
 #include "path/camera.h"
 #include "path/empty_pixels.h"
-#include "path/guide_training.h"
 #include "path/integrator.h"
 #include "path/pixel_filter.h"
 
@@ -26,7 +25,6 @@ namespace {
 constexpr int kTile = 16;                   ///< pixels; a tile is the unit of parallel work
 constexpr int kBlock = 4;                   ///< a packet is 4 × 4 pixels
 constexpr std::uint32_t kPassSamples = 16;  ///< per pixel between two looks at the error
-constexpr std::uint32_t kSamplesBeforeGuide = 4;
 
 struct BlockCounts {
   RayCounts rays;
@@ -57,8 +55,7 @@ void check_settings(const Settings& s) {
   if (s.samples < 1) throw Error("at least one sample per pixel is needed");
   if (s.bounces < 0) throw Error("the number of bounces is negative");
   if (s.has_features && s.integrator != Integrator::full) throw Error("features come from the full integrator alone");
-  if (s.integrator != Integrator::full && (s.guiding == Guiding::on || s.clamp))
-    throw Error("guiding and clamping are of the full integrator alone");
+  if (s.clamp && s.integrator != Integrator::full) throw Error("clamping is of the full integrator alone");
   if (s.clamp && !(*s.clamp > 0.0f)) throw Error("what indirect light is clamped to must be above 0");
   if (s.noise && !(*s.noise > 0.0f)) throw Error("the noise target must be above 0");
   if (s.time_limit_s && !(*s.time_limit_s > 0.0)) throw Error("the time limit must be above 0");
@@ -86,7 +83,7 @@ decltype(&trace_path) path_of(Integrator integrator) {
   return trace_path;
 }
 
-/// Never what a sample is not: one that is not finite is left for others to count.
+/// A sample that is not finite stays so, for others to count.
 void clamp_indirect(float most, PathSample& sample) {
   const float largest = max_component(sample.indirect);
   if (!(largest > most) || !std::isfinite(largest)) return;
@@ -173,8 +170,6 @@ class Picture::Impl {
   bool takes_part(std::size_t pixel, std::uint32_t pass) const;
   void find_start();
   void find_empty();
-  bool wants_guide() const;
-  bool find_guide(const Job& job);
   void find_converged();
   NoiseReached noise_reached() const;
   bool is_complete() const;
@@ -202,9 +197,6 @@ class Picture::Impl {
   std::vector<std::uint8_t> converged_;
   std::size_t converged_count_ = 0;
   std::vector<std::uint8_t> empty_shares_;  ///< of the passes, in 1/kWhole; 0 where surfaces may be, empty until known
-  bool has_looked_for_guide_ = false;
-  std::unique_ptr<const Guide> guide_;
-  std::uint64_t learning_paths_ = 0;
   int tiles_x_;
   int tiles_y_;
   std::uint32_t done_ = 0;       ///< samples of every pixel that is not converged
@@ -332,41 +324,6 @@ void Picture::Impl::find_empty() {
   });
 }
 
-/// Only pictures of many samples have time to learn, and those of few pixels nothing to learn from. The samples so far
-/// stay as they are: whether and how the others are led depends on the view and the settings, never on when the picture
-/// was asked for more, or on other pictures.
-bool Picture::Impl::wants_guide() const {
-  constexpr std::size_t kFewestPixels = 4096;
-  if (has_looked_for_guide_ || settings_.integrator != Integrator::full || settings_.bounces < 1) return false;
-  switch (settings_.guiding) {
-    case Guiding::off:
-      return false;
-    case Guiding::on:
-      return true;
-    case Guiding::automatic:
-      break;
-  }
-  return done_ == kSamplesBeforeGuide && pixel_count() >= kFewestPixels && settings_.bounces > 1;
-}
-
-/// False when the job was stopped before.
-bool Picture::Impl::find_guide(const Job& job) {
-  const bool is_forced = settings_.guiding == Guiding::on;
-  // The first pass is always whole, and led where that is wanted: what comes before it cannot be stopped.
-  const Job unstopped{.diagnostics = job.diagnostics};
-  LearnedGuide learned = learn_guide({context_, camera_, settings_.width, settings_.height, settings_.seed, is_forced},
-                                     done_ == 0 ? unstopped : job);
-  if (learned.is_stopped) return false;
-  totals_.camera += learned.counts.camera;
-  totals_.bounce += learned.counts.bounce;
-  totals_.shadow += learned.counts.shadow;
-  has_looked_for_guide_ = true;
-  learning_paths_ = learned.paths;
-  guide_ = std::move(learned.guide);
-  context_.guide = guide_.get();
-  return true;
-}
-
 /// A pixel stops when it and its eight neighbours are below the target: a lone pixel that has met no highlight yet must
 /// not freeze beside one that has.
 void Picture::Impl::find_converged() {
@@ -434,8 +391,7 @@ bool Picture::Impl::is_complete() const {
 /// numbers of samples however often the work is taken up again.
 std::uint32_t Picture::Impl::next_look() const {
   if (done_ == 0) return 1;
-  if (done_ < kSamplesBeforeGuide) return kSamplesBeforeGuide;
-  if (done_ < kPassSamples) return kPassSamples;
+  if (done_ < kPassSamples) return std::min(4 * done_, kPassSamples);
   return (done_ / kPassSamples + 1) * kPassSamples;
 }
 
@@ -469,10 +425,6 @@ void Picture::Impl::trace(std::uint32_t limit, const Job& job) {
   while (!is_complete()) {
     if (next_tile_ == 0) pass_end_ = std::min(limit, next_look());
     if (next_tile_ == 0 && done_ == kPassSamples) find_empty();
-    if (next_tile_ == 0 && wants_guide() && !find_guide(job)) {
-      interrupted_ = true;
-      break;
-    }
     run_pass(job);
     if (next_tile_ == tiles_x_ * tiles_y_) {
       done_ = pass_end_;
@@ -502,8 +454,6 @@ Statistics Picture::Impl::statistics() const {
   s.bounce_rays = totals_.bounce;
   s.shadow_rays = totals_.shadow;
   s.non_finite_samples = totals_.non_finite;
-  s.guided = guide_ != nullptr;
-  s.learning_paths = learning_paths_;
   s.triangles = geometry_.triangle_count();
   s.instances = geometry_.instance_count();
   s.mean_samples_per_pixel = mean_samples();

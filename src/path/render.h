@@ -21,12 +21,6 @@ enum class Integrator {
   minimal,  ///< samples the material only: same mean, more noise; the test oracle
   surfaces  ///< the same for scenes without bodies; others are an Error
 };
-/// Whether paths are led by what others have found (guide.h). The mean is the same.
-enum class Guiding {
-  automatic,  ///< where it is measured to pay
-  on,         ///< from the first sample
-  off
-};
 /// "full", "minimal" or "surfaces".
 const char* integrator_name(Integrator integrator);
 
@@ -44,7 +38,6 @@ struct Settings {
   PixelFilter filter = PixelFilter::box;
   float filter_radius = 0.0f;  ///< pixels; 0 = the filter's own: box 0.5, Gaussian 1.5, Blackman–Harris 1.5
   Integrator integrator = Integrator::full;
-  Guiding guiding = Guiding::automatic;  ///< Integrator::full only
   /// Largest channel of what one sample may bring as indirect light: radiance that was turned again after its first
   /// surface that is neither mirror nor clear glass. Takes light away: not the truth. Integrator::full only.
   std::optional<float> clamp{};
@@ -76,8 +69,6 @@ struct Statistics {
   std::uint64_t bounce_rays = 0;
   std::uint64_t shadow_rays = 0;
   std::uint64_t non_finite_samples = 0;  ///< must be 0; each was left out of the picture
-  bool guided = false;                   ///< paths were led by a guide
-  std::uint64_t learning_paths = 0;      ///< that no pixel shows, see Settings::guiding; rays count them
   std::uint64_t triangles = 0;           ///< stored once per mesh
   std::uint64_t instances = 0;
   double mean_samples_per_pixel = 0.0;  ///< spared ones count

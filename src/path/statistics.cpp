@@ -13,8 +13,6 @@ void add_work(const Statistics& picture, Statistics& all) {
   all.bounce_rays += picture.bounce_rays;
   all.shadow_rays += picture.shadow_rays;
   all.non_finite_samples += picture.non_finite_samples;
-  all.guided |= picture.guided;
-  all.learning_paths += picture.learning_paths;
   all.triangles = picture.triangles;
   all.instances = picture.instances;
   all.interrupted |= picture.interrupted;

@@ -332,18 +332,6 @@ class Statistics(CliTest):
             self.assertIn(b"denoiser\0", (self.folder / name).read_bytes())
         self.succeeds(*SPHERES, "demo:cornell", *TINY[:2], "--quality", "draft", "-o", "out/")
 
-    def test_guiding_gives_the_same_bytes_on_any_number_of_threads(self):
-        for threads in ("1", "2"):
-            self.succeeds("render", "demo:cornell", *TINY, "-o", f"{threads}.exr", "--guiding", "on",
-                          "--threads", threads, "--stats", f"{threads}.json")  # fmt: skip
-        self.assertEqual((self.folder / "1.exr").read_bytes(), (self.folder / "2.exr").read_bytes())
-        stats = json.loads((self.folder / "1.json").read_text())
-        self.assertTrue(stats["guided"])
-        self.assertGreater(stats["learning_paths"], 0)
-        self.succeeds("render", "demo:cornell", *TINY, "-o", "off.exr", "--guiding", "off", "--stats", "off.json")
-        self.assertNotEqual((self.folder / "1.exr").read_bytes(), (self.folder / "off.exr").read_bytes())
-        self.assertFalse(json.loads((self.folder / "off.json").read_text())["guided"])
-
     def test_clamp_changes_the_picture_only_where_it_is_asked_for(self):
         for name, options in (("plain", ()), ("high", ("--clamp", "1e9")), ("low", ("--clamp", "0.01"))):
             self.succeeds("render", "demo:cornell", *TINY, "-o", f"{name}.exr", *options)
@@ -351,13 +339,11 @@ class Statistics(CliTest):
         self.assertEqual(plain, (self.folder / "high.exr").read_bytes())
         self.assertNotEqual(plain, (self.folder / "low.exr").read_bytes())
 
-    def test_guiding_and_clamp_are_refused_where_they_cannot_act(self):
+    def test_clamp_is_refused_where_it_cannot_act(self):
         for options, why in (
-            (("--guiding", "maybe"), "--guiding"),
             (("--clamp", "0"), "--clamp"),
             (("--clamp", "nan"), "--clamp"),
             (("--clamp", "1", "--integrator", "minimal"), "--clamp: only for --integrator full"),
-            (("--guiding", "on", "--integrator", "minimal"), "--guiding: only for --integrator full"),
             (("--clamp", "1", "--engine", "raster"), "--clamp: only for --engine path"),
         ):
             self.refuses("render", "demo:cornell", *TINY, "-o", "a.png", *options, says=why)

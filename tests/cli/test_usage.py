@@ -61,7 +61,7 @@ class Usage(CliTest):
         ball = ("render", "demo:spheres")
         raster = (*ball, "--engine", "raster")
         for option, value in {"--time": "1s", "--noise": "0.1", "--bounces": "2", "--seed": "1", "--filter": "box",
-                              "--integrator": "full", "--guiding": "auto", "--clamp": "1"}.items():  # fmt: skip
+                              "--integrator": "full", "--clamp": "1"}.items():  # fmt: skip
             self.refuses(*raster, option, value, says=f"{option}: only for --engine path")
         for option, value in {"--msaa": "4", "--view": "normal", "--ao": "0.1", "--light-radius": "1", "--ambient": "none",
                               "--probes": "2", "--shaders": "/tmp"}.items():  # fmt: skip

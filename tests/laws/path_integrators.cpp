@@ -141,37 +141,6 @@ Case polished() {
   return c;
 }
 
-/// A lamp in a ball of glass above a floor: no light can be sampled, none is seen but through two smooth boundaries.
-Case lamp_in_glass() {
-  SceneBuilder b;
-  Material glass = plastic(vec3(1.0f), 0.0f);
-  glass.transmission = 1.0f, glass.thickness = 1.0f;
-  b.add(sphere({0, 0.9f, 0}, 0.6f, 4, false), glass);
-  b.add(sphere({0, 0.9f, 0}, 0.3f, 2, true), lamp({9, 8, 7}));
-  b.add(plane(vec3(0.0f), 2.0f), matte({0.7f, 0.6f, 0.5f}));
-  b.add(quad({-1, 0, -1}, {2, 0, 0}, {0, 1.5f, 0}), plastic({0.3f, 0.5f, 0.7f}, 0.3f));
-  return {
-      "lamp in a ball of glass", b.build(), dark_environment(), look_at({0.5f, 1.2f, 3}, {0, 0.5f, 0}, 0.8f), 128, 256};
-}
-
-/// A room that the sky lights through a slit, behind a screen.
-Case room_with_slit() {
-  SceneBuilder b;
-  const auto slab = [&](vec3 lower, vec3 upper) { b.add(box(lower, upper), matte({0.75f, 0.7f, 0.6f})); };
-  slab({-2.2f, -0.2f, -2.2f}, {2.2f, 0.0f, 2.2f});
-  slab({-2.2f, 2.0f, -2.2f}, {2.2f, 2.2f, 2.2f});
-  slab({-2.2f, 0.0f, -2.2f}, {2.2f, 2.0f, -2.0f});
-  slab({-2.2f, 0.0f, 2.0f}, {2.2f, 2.0f, 2.2f});
-  slab({-2.2f, 0.0f, -2.0f}, {-2.0f, 2.0f, 2.0f});
-  slab({2.0f, 0.0f, -2.0f}, {2.2f, 0.9f, 2.0f});
-  slab({2.0f, 1.3f, -2.0f}, {2.2f, 2.0f, 2.0f});
-  slab({1.2f, 0.6f, -2.0f}, {1.3f, 2.0f, 2.0f});
-  Case c{"room that the sky lights through a slit",  b.build(), {},
-         look_at({0, 1, 1.9f}, {0, 0.9f, -1}, 1.1f), 128,       512};
-  c.environment = mapped_environment(16, 8, [](vec3 d) { return d.x > 0.0f ? vec3(6, 5, 4) : vec3(0.1f); });
-  return c;
-}
-
 // The shorter one draws the same numbers in the same order where nothing is at one place and nothing is glass, so that
 // not only the means agree.
 TEST(law_path, surfaces_alone_are_the_minimal_integrator_where_there_is_nothing_else) {
@@ -215,30 +184,6 @@ TEST(law_path, full_and_minimal_integrator_have_the_same_mean) {
           << c.name << ", channel " << i << ": relative error " << error / minimal[i].mean();
       // And next-event estimation is no loss, even where the picture's noise is that of alpha.
       EXPECT_LT(full[i].variance() * c.full_samples, 1.5 * minimal[i].variance() * c.minimal_samples) << c.name;
-    }
-  }
-}
-
-TEST(law_path, a_guide_leaves_the_mean_as_it_is) {
-  constexpr int kRuns = 10;
-  const Case cases[] = {room_with_lamp(), metal_under_map(), alpha(), polished(), lamp_in_glass(), room_with_slit()};
-  const double threshold = sidak_threshold(3 * std::size(cases));
-  for (const Case& c : cases) {
-    path::Settings s = settings(8, 4 * c.full_samples, 6);
-    s.guiding = path::Guiding::on;
-    const auto guided = mean_over_seeds(kRuns, c.scene, c.environment, c.view, s);
-    s.guiding = path::Guiding::automatic;
-    s.integrator = path::Integrator::minimal;
-    s.samples = 4 * c.minimal_samples;
-    const auto minimal = mean_over_seeds(kRuns, c.scene, c.environment, c.view, s);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double error = std::hypot(guided[i].standard_error(), minimal[i].standard_error());
-      EXPECT_GT(normal_p_value((guided[i].mean() - minimal[i].mean()) / error), threshold)
-          << c.name << ", channel " << i << ": guided " << guided[i].mean() << " minimal " << minimal[i].mean() << " ± "
-          << error;
-      // The twin: 6 % more light from one of them would be seen.
-      EXPECT_LT(normal_p_value((1.06 * guided[i].mean() - minimal[i].mean()) / error), threshold)
-          << c.name << ", channel " << i << ": relative error " << error / minimal[i].mean();
     }
   }
 }

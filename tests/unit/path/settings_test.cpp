@@ -37,6 +37,25 @@ View mixture_view() { return look_at({1, 1.3f, 3}, {0, 0.4f, 0}, 0.7f); }
 
 Film shoot_mixture(const path::Settings& s) { return shoot(mixture(), sky(), mixture_view(), s); }
 
+TEST(unit_path_settings, what_is_clamped_is_light_that_was_turned_again_and_nothing_else) {
+  path::Settings s = settings(37, 20, 16);
+  const Film whole = shoot_mixture(s);
+  s.clamp = 1e9f;
+  EXPECT_TRUE(films_are_identical(shoot_mixture(s), whole));
+  s.clamp = 1e-6f;
+  const Film clamped = shoot_mixture(s);
+  s.clamp.reset();
+  s.bounces = 1;
+  const Film direct = shoot_mixture(s);
+  for (std::size_t i = 0; i < direct.beauty.pixels.size(); ++i) {
+    ASSERT_NEAR(clamped.beauty.pixels[i], direct.beauty.pixels[i], 1e-4f) << i;
+  }
+  EXPECT_GT(mean_of(whole.beauty).y, 1.05f * mean_of(direct.beauty).y) << "there is something to clamp";
+  s.integrator = path::Integrator::minimal;
+  s.clamp = 1.0f;
+  EXPECT_THROW(shoot_mixture(s), Error);
+}
+
 // ----- threads
 
 Film with_threads(int threads, const path::Settings& s) {
