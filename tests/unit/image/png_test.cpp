@@ -83,6 +83,7 @@ Bytes encode(const Kind& kind, const std::vector<std::uint16_t>& samples) {
     }
   }
   std::vector<png_bytep> pointers;
+  pointers.reserve(kHeight);
   for (std::size_t y = 0; y < kHeight; ++y) pointers.push_back(rows.data() + y * row_samples * sample_bytes);
   png_write_image(png, pointers.data());
   png_write_end(png, nullptr);

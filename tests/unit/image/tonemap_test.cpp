@@ -14,6 +14,7 @@ namespace {
 
 const std::vector<int> kCurves = [] {
   std::vector<int> curves;
+  curves.reserve(kToneCurves.size());
   for (const ToneCurveInfo& info : kToneCurves) curves.push_back(static_cast<int>(info.curve));
   return curves;
 }();

@@ -55,8 +55,8 @@ TEST(unit_image_webp, pictures_decode_with_straight_alpha) {
   // Chroma has half the picture's resolution: but for its edges it is right.
   const TextureImage lossy = decode_texture(webp(picture(true), false), "t");
   EXPECT_NEAR(lossy.pixels[0], 30, 8);
-  EXPECT_NEAR(lossy.pixels[4 * (kWidth - 1)], 220, 8);
-  EXPECT_EQ(lossy.pixels[4 * kWidth * (kHeight - 1) + 3], 100);
+  EXPECT_NEAR(lossy.pixels[std::size_t{4} * (kWidth - 1)], 220, 8);
+  EXPECT_EQ(lossy.pixels[std::size_t{4} * kWidth * (kHeight - 1) + 3], 100);
 }
 
 TEST(unit_image_webp, an_animation_shows_its_first_frame_and_says_so) {

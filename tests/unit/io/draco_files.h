@@ -19,7 +19,8 @@ inline std::vector<std::byte> draco_strip(int triangles, int speed, bool has_nor
   const int uvs = builder.AddAttribute(draco::GeometryAttribute::TEX_COORD, 2, draco::DT_FLOAT32);
   const int normals = has_normals ? builder.AddAttribute(draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32) : -1;
   const auto position = [](int i) {
-    return std::array<float, 3>{static_cast<float>(i / 2), static_cast<float>(i % 2), static_cast<float>(i % 5) / 8.0f};
+    const int step = i / 2;
+    return std::array<float, 3>{static_cast<float>(step), static_cast<float>(i % 2), static_cast<float>(i % 5) / 8.0f};
   };
   const auto uv = [](int i) { return std::array<float, 2>{static_cast<float>(i) / 16.0f, static_cast<float>(i % 2)}; };
   const std::array<float, 3> up = {0.0f, 0.6f, 0.8f};

@@ -63,13 +63,14 @@ std::vector<Corners> triangles_of(const Primitive& p) {
 /// What draco_strip packs, at the thousandths to which 11 bits of 9 units leave it.
 std::vector<Corners> strip() {
   const auto position = [](int i) {
-    return vec3(static_cast<float>(i / 2), static_cast<float>(i % 2), static_cast<float>(i % 5) / 8.0f);
+    const int step = i / 2;
+    return vec3(static_cast<float>(step), static_cast<float>(i % 2), static_cast<float>(i % 5) / 8.0f);
   };
   Primitive p;
   for (int i = 0; i < kTriangles; ++i) {
     const auto first = static_cast<unsigned>(p.positions.size());
     for (const int k : {i, i + 1 + i % 2, i + 2 - i % 2}) p.positions.push_back(position(k));
-    p.triangles.push_back({first, first + 1, first + 2});
+    p.triangles.emplace_back(first, first + 1, first + 2);
   }
   return triangles_of(p);
 }

@@ -144,7 +144,7 @@ TEST(unit_io_gltf_outline, a_box_turned_by_right_angles_stays_one) {
 TEST(unit_io_gltf_outline, without_normals_every_triangle_has_its_own_vertices) {
   Builder b = damaged_draco();
   primitive(b)["attributes"].erase("NORMAL");
-  EXPECT_EQ(counted(b, false).vertices, std::size_t{3 * kTriangles});
+  EXPECT_EQ(counted(b, false).vertices, std::size_t{3} * kTriangles);
 }
 
 TEST(unit_io_gltf_outline, what_the_accessors_cannot_say_is_unpacked) {

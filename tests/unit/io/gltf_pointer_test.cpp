@@ -222,7 +222,8 @@ std::vector<Case> all_cases() {
   const std::function<void(const json&, const std::string&)> visit = [&](const json& value, const std::string& place) {
     if (!value.is_structured()) return;
     for (const auto& [key, member] : value.items()) {
-      const std::string here = place + '/' + key;
+      std::string here = place;
+      here.append("/").append(key);
       if (key == "KHR_texture_transform") {
         cases.push_back({here + "/offset", {0.25f, 0.5f}});
         cases.push_back({here + "/rotation", {0.5f}});

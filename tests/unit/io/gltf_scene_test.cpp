@@ -222,13 +222,14 @@ Builder chain(const std::vector<int>& hidden) {
   b.root["extensionsUsed"] = {"KHR_lights_punctual", "KHR_node_visibility"};
   b.root["extensionsRequired"] = {"KHR_node_visibility"};
   b.root["nodes"] = json::array();
-  for (int i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < 4; ++i) {
     b.root["nodes"].push_back({{"mesh", 0}, {"camera", 0}});
     if (i < 3) b.root["nodes"][i]["children"] = {i + 1};
     b.root["nodes"][i]["extensions"]["KHR_lights_punctual"]["light"] = 0;
     b.root["nodes"][i]["extensions"]["KHR_node_visibility"]["visible"] = true;
   }
-  for (const int i : hidden) b.root["nodes"][i]["extensions"]["KHR_node_visibility"]["visible"] = false;
+  for (const int i : hidden)
+    b.root["nodes"][static_cast<std::size_t>(i)]["extensions"]["KHR_node_visibility"]["visible"] = false;
   return b;
 }
 

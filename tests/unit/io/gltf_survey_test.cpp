@@ -7,7 +7,9 @@
 namespace candela::io::test {
 namespace {
 
-FileSurvey survey(const Builder& file, SurveyOptions options = {}) { return survey_gltf(file.glb(), {}, options); }
+FileSurvey survey(const Builder& file, const SurveyOptions& options = {}) {
+  return survey_gltf(file.glb(), {}, options);
+}
 
 TEST(unit_io_gltf_survey, a_right_triangle_has_no_oddity) {
   const FileSurvey result = survey(triangle());

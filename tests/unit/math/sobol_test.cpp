@@ -21,6 +21,7 @@ using test::Pcg32;
 // `count` points of call `dimension` from sample `first` on.
 std::vector<vec2> sobol_points(std::uint32_t seed, std::uint32_t first, std::uint32_t count, int dimension) {
   std::vector<vec2> points;
+  points.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     SobolSampler sampler(seed, first + i);
     for (int d = 0; d < dimension; ++d) sampler.next_2d();

@@ -183,7 +183,7 @@ TEST(unit_path_texture, every_uv_set_has_its_own_coordinates) {
   const int texture = b.add_texture(2, 1, {255, 0, 0, 255, 0, 255, 0, 255}, Filter::nearest);
   for (const int set : {0, 1, 2, 7, 40}) {
     Primitive p = quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
-    for (const std::size_t other : {0, 1, 2, 7, 40}) p.uvs[other].assign(4, vec2(0.25f, 0.5f));
+    for (const std::size_t other : {0u, 1u, 2u, 7u, 40u}) p.uvs[other].assign(4, vec2(0.25f, 0.5f));
     p.uvs[static_cast<std::size_t>(set)].assign(4, vec2(0.75f, 0.5f));
     SceneBuilder one = b;
     Material m = unlit(vec3(1.0f));
