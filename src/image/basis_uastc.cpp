@@ -84,12 +84,12 @@ constexpr std::array<ModeCode, kModes> kModeCodes{{{0x01, 4},
                                                    {0x09, 4}}};
 
 /// The mode by the first seven bits; -1 where there is none.
-constexpr std::array<std::int8_t, 128> kModeOfBits = [] {
-  std::array<std::int8_t, 128> table{};
+constexpr std::array<int, 128> kModeOfBits = [] {
+  std::array<int, 128> table{};
   table.fill(-1);
   for (std::size_t mode = 0; mode < kModeCodes.size(); ++mode)
     for (std::size_t bits = kModeCodes[mode].bits; bits < 128; bits += std::size_t{1} << kModeCodes[mode].length)
-      table[bits] = static_cast<std::int8_t>(mode);
+      table[bits] = static_cast<int>(mode);
   return table;
 }();
 
@@ -370,7 +370,7 @@ int no_mode(std::span<std::uint32_t, 16> texels) {
 template <UastcRounding kRounding>
 int decode_block(std::span<const std::byte, kUastcBlockBytes> block, std::span<std::uint32_t, 16> texels) {
   BlockBits bits(block);
-  const int index = static_cast<int>(kModeOfBits[bits.peek(7)]);
+  const int index = kModeOfBits[bits.peek(7)];
   if (index < 0) return no_mode(texels);
   bits.skip(kModeCodes[static_cast<std::size_t>(index)].length);
   if (index == kSolidMode) {

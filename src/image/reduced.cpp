@@ -83,6 +83,7 @@ TextureImage reduce(const TextureImage& image, ivec2 size, TexelKind kind) {
   TextureImage result{size.x, size.y, image.bits, image.has_alpha, {}};
   result.pixels.resize(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * 4 * sizeof(Word));
   std::vector<Cover> columns;
+  columns.reserve(static_cast<std::size_t>(size.x));
   for (int x = 0; x < size.x; ++x) columns.emplace_back(x, image.width, size.x);
   const double area = static_cast<double>(image.width) / size.x * image.height / size.y;
   std::vector<double> sums(columns.size() * 4);

@@ -114,8 +114,8 @@ TexturePlan plan_textures(std::span<const TextureExtent> images, const TextureBu
   plan.levels = levels_to_drop(images, budget);
   plan.told = what_is_dropped(images, plan.levels, budget);
   std::uint64_t kept = 0;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    if (images[i].is_here) kept += texture_bytes(images[i], 0, false);
+  for (const TextureExtent& image : images) {
+    if (image.is_here) kept += texture_bytes(image, 0, false);
   }
   std::uint64_t most = 0;  // of the batch, at full size
   for (std::size_t i = 0; i < images.size(); ++i) {

@@ -35,8 +35,8 @@ void attribute(GLuint location, GLint size, std::size_t first, std::size_t float
   glEnableVertexAttribArray(location);
   const auto stride = static_cast<GLsizei>(floats * sizeof(float));
   // NOLINTNEXTLINE(performance-no-int-to-ptr): so GL takes an offset
-  glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, stride,
-                        reinterpret_cast<const void*>(first * sizeof(float)));
+  const auto* offset = reinterpret_cast<const void*>(first * sizeof(float));
+  glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, stride, offset);
 }
 
 template <class V>
@@ -502,7 +502,7 @@ void GpuScene::bind_draw(std::size_t first) const {
   glBindVertexArray(p.attributes);
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
   for (GLuint row = 0; row < 4; ++row) {
-    attribute(5 + row, 4, 16 * first + 4 * row, 16);
+    attribute(5 + row, 4, 16 * first + std::size_t{4} * row, 16);
     glVertexAttribDivisor(5 + row, 1);
   }
   // Of vertices that have none; a draw call may leave them undefined.
