@@ -29,7 +29,8 @@ Builder many() {
   return b;
 }
 
-json& attributes(Builder& b, int mesh) { return b.root["meshes"][mesh]["primitives"][0]["attributes"]; }
+json& primitive(Builder& b, int mesh) { return b.root["meshes"][static_cast<std::size_t>(mesh)]["primitives"][0]; }
+json& attributes(Builder& b, int mesh) { return primitive(b, mesh)["attributes"]; }
 
 TEST(unit_io_gltf_many_meshes, each_is_read_in_its_place) {
   const Loaded loaded = load(many());
@@ -54,7 +55,7 @@ TEST(unit_io_gltf_many_meshes, the_first_that_cannot_be_read_is_the_error) {
 TEST(unit_io_gltf_many_meshes, the_first_that_is_odd_is_the_warning) {
   Builder b = many();
   for (const int odd : {33, 7, 21}) attributes(b, odd)["COLOR_0"] = b.vec3s({2, 0, 0, 1, 0, 0, 1, 0, 0});
-  for (const int line : {5, 6}) b.root["meshes"][line]["primitives"][0]["mode"] = 1;
+  for (const int line : {5, 6}) primitive(b, line)["mode"] = 1;
   for (int turn = 0; turn < 20; ++turn) {
     const Loaded loaded = load(b);
     ASSERT_EQ(loaded.warnings.size(), 2u);
@@ -69,7 +70,7 @@ TEST(unit_io_gltf_many_meshes, all_together_may_not_outgrow_the_file) {
   for (int i = 0; i < kMeshes; ++i) {
     const int zeros = b.add_accessor({{"componentType", 5126}, {"count", 400'000 + i}, {"type", "VEC3"}});
     attributes(b, i) = {{"POSITION", zeros}};
-    b.root["meshes"][i]["primitives"][0].erase("indices");
+    primitive(b, i).erase("indices");
   }
   EXPECT_THAT(error_of(b), HasSubstr("far larger than the file"));
 }
