@@ -13,6 +13,8 @@
 namespace candela::io::test {
 namespace {
 
+constexpr std::uint64_t kTexelBytes = 4;
+
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -31,7 +33,7 @@ std::uint64_t kept(const std::vector<TextureExtent>& images, const TexturePlan& 
 
 TEST(unit_io_texture_budget, the_largest_lose_levels_first_until_all_fit) {
   const auto images = squares({64, 256, 128, 256});
-  const std::uint64_t all = 4 * (64 * 64 + 2 * 256 * 256 + 128 * 128);
+  const std::uint64_t all = kTexelBytes * (64 * 64 + 2 * 256 * 256 + 128 * 128);
   EXPECT_THAT(plan_textures(images, {all}, 2).levels, ElementsAre(0, 0, 0, 0));
   EXPECT_THAT(plan_textures(images, {all}, 2).told, "");
   EXPECT_THAT(plan_textures(images, {all - 1}, 2).levels, ElementsAre(0, 1, 0, 0));
@@ -63,7 +65,7 @@ TEST(unit_io_texture_budget, smaller_levels_count_a_third) {
 
 TEST(unit_io_texture_budget, what_is_decoded_at_a_time_fits_beside_what_is_kept) {
   const std::vector<TextureExtent> images(40, {.size = {512, 512}});
-  constexpr std::uint64_t kFull = 4 * 512 * 512;
+  constexpr std::uint64_t kFull = kTexelBytes * 512 * 512;
   for (const std::uint64_t budget : {40 * kFull, 10 * kFull, 4 * kFull, kFull}) {
     for (const int threads : {1, 2, 8}) {
       const TexturePlan plan = plan_textures(images, {budget}, threads);
@@ -108,14 +110,14 @@ Builder textured() {
 
 TEST(unit_io_texture_budget, a_file_is_read_as_it_is_where_the_budget_is_ample) {
   const Loaded all = load(textured());
-  const Loaded ample = load(textured(), {.texture_memory = 4 * (32 * 32 + 16 * 16)});
+  const Loaded ample = load(textured(), {.texture_memory = kTexelBytes * (32 * 32 + 16 * 16)});
   ASSERT_EQ(ample.scene.images.size(), 2u);
   EXPECT_THAT(ample.warnings, IsEmpty());
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(ample.scene.images[i]->pixels, all.scene.images[i]->pixels);
 }
 
 TEST(unit_io_texture_budget, a_file_is_made_to_fit_and_says_so_once) {
-  const Loaded loaded = load(textured(), {.texture_memory = 4 * (8 * 8 + 8 * 8)});
+  const Loaded loaded = load(textured(), {.texture_memory = kTexelBytes * (8 * 8 + 8 * 8)});
   ASSERT_EQ(loaded.scene.images.size(), 2u);
   EXPECT_EQ(loaded.scene.images[0]->width, 8);
   EXPECT_EQ(loaded.scene.images[1]->width, 8);
@@ -129,7 +131,7 @@ TEST(unit_io_texture_budget, a_file_is_made_to_fit_and_says_so_once) {
 }
 
 TEST(unit_io_texture_budget, with_smaller_levels_less_fits) {
-  const LoadOptions options{.texture_memory = 4 * (32 * 32 + 16 * 16), .counts_texture_levels = true};
+  const LoadOptions options{.texture_memory = kTexelBytes * (32 * 32 + 16 * 16), .counts_texture_levels = true};
   const Loaded loaded = load(textured(), options);
   EXPECT_EQ(loaded.scene.images[0]->width, 16);
   EXPECT_EQ(loaded.warnings.size(), 1u);

@@ -33,6 +33,7 @@ std::vector<vec2> sobol_points(std::uint32_t seed, std::uint32_t first, std::uin
 std::vector<vec2> random_points(std::uint32_t seed, std::uint32_t count) {
   Pcg32 random(seed);
   std::vector<vec2> points;
+  points.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) points.push_back(random.next_vec2());
   return points;
 }
