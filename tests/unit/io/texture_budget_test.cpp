@@ -38,8 +38,9 @@ TEST(unit_io_texture_budget, the_largest_lose_levels_first_until_all_fit) {
   EXPECT_THAT(plan_textures(images, {all}, 2).told, "");
   EXPECT_THAT(plan_textures(images, {all - 1}, 2).levels, ElementsAre(0, 1, 0, 0));
   // 64² + three times 128², and half of one of them less.
-  EXPECT_THAT(plan_textures(images, {4 * (64 * 64 + 3 * 128 * 128)}, 2).levels, ElementsAre(0, 1, 0, 1));
-  EXPECT_THAT(plan_textures(images, {4 * (64 * 64 + 2 * 128 * 128 + 100 * 100)}, 2).levels, ElementsAre(0, 2, 0, 1));
+  EXPECT_THAT(plan_textures(images, {kTexelBytes * (64 * 64 + 3 * 128 * 128)}, 2).levels, ElementsAre(0, 1, 0, 1));
+  EXPECT_THAT(plan_textures(images, {kTexelBytes * (64 * 64 + 2 * 128 * 128 + 100 * 100)}, 2).levels,
+              ElementsAre(0, 2, 0, 1));
 }
 
 TEST(unit_io_texture_budget, whatever_the_budget_all_fit_and_no_level_goes_without_need) {
@@ -87,7 +88,7 @@ TEST(unit_io_texture_budget, what_is_decoded_at_a_time_fits_beside_what_is_kept)
 TEST(unit_io_texture_budget, what_is_there_already_counts_and_stays) {
   std::vector<TextureExtent> images = squares({64, 64});
   images[0].is_here = true;
-  const TexturePlan plan = plan_textures(images, {4 * (64 * 64 + 32 * 32)}, 1);
+  const TexturePlan plan = plan_textures(images, {kTexelBytes * (64 * 64 + 32 * 32)}, 1);
   EXPECT_THAT(plan.levels, ElementsAre(0, 1));
   EXPECT_THAT(plan.batches, ElementsAre(ElementsAre(1)));
 }
