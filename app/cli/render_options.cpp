@@ -74,7 +74,7 @@ void add_picture(Command& command, RenderOptions& o) {
 void add_sampling(Command& command, RenderOptions& o) {
   const std::string group = "Sampling";
   add_value(command, "--quality", "draft|good|final", o.quality, parse_quality,
-            "Samples, noise target and denoising by what is wanted; --spp, --noise and --denoise go before it [none]")
+            "Samples, noise target and denoising by what is wanted; --spp, --noise and --denoise override it [none]")
       .group(group);
   const auto seed = [](const std::string& text) {
     return static_cast<std::uint32_t>(parse_count(text, 0, std::numeric_limits<int>::max()));
