@@ -28,8 +28,7 @@ std::string base64(std::span<const std::byte> bytes) {
 }  // namespace
 
 std::string image_element(const DisplayImage& image, const std::string& what) {
-  TextureImage texture{image.width, image.height, 8, false, image.rgba};
-  for (std::size_t i = 3; i < image.rgba.size(); i += 4) texture.has_alpha = texture.has_alpha || image.rgba[i] < 255;
+  const TextureImage texture{image.width, image.height, 8, true, image.rgba};
   return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", figures::escaped(what),
                      base64(encode_png(texture)));
 }

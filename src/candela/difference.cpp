@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "image/flip.h"
 #include "shade/color.glsl.h"
 
@@ -129,10 +130,7 @@ void compare_layers(const ImageName& first, const ImageName& second, const std::
 
 bool is_picture(const fs::path& path) {
   constexpr std::array<std::string_view, 7> kExtensions = {".png", ".jpg", ".jpeg", ".webp", ".avif", ".hdr", ".exr"};
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+  return std::find(kExtensions.begin(), kExtensions.end(), lower_extension(path)) != kExtensions.end();
 }
 
 std::vector<fs::path> pictures_below(const fs::path& folder) {
