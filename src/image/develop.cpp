@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "base/check.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
@@ -111,6 +112,14 @@ void develop_row(const Picture& picture, int y, float exposure, const DevelopSet
   }
 }
 
+/// Of a curve in its table.
+std::size_t place_of(ToneCurve curve) {
+  const auto found = std::find_if(kToneCurves.begin(), kToneCurves.end(),
+                                  [&](const ToneCurveInfo& info) { return info.curve == curve; });
+  CANDELA_CHECK(found != kToneCurves.end());
+  return static_cast<std::size_t>(found - kToneCurves.begin());
+}
+
 using RowFunction = void (*)(const Picture&, int, float, const DevelopSettings&, const SrgbEncoder&, std::uint8_t*);
 
 RowFunction row_function(ToneCurve curve) {
@@ -118,10 +127,7 @@ RowFunction row_function(ToneCurve curve) {
     return std::array<RowFunction, sizeof...(I)>{develop_row<kToneCurves[I].function>...};
   }
   (std::make_index_sequence<kToneCurves.size()>{});
-  for (std::size_t i = 0; i < kToneCurves.size(); ++i) {
-    if (kToneCurves[i].curve == curve) return kFunctions[i];
-  }
-  return develop_row<shade::tone_linear>;
+  return kFunctions[place_of(curve)];
 }
 
 // ----- exposure as text
@@ -191,12 +197,7 @@ ToneCurve parse_tone_curve(std::string_view name) {
   throw Error("unknown tone curve \"" + std::string(name) + "\" (known: " + known + ")");
 }
 
-std::string_view tone_curve_name(ToneCurve curve) {
-  for (const ToneCurveInfo& info : kToneCurves) {
-    if (info.curve == curve) return info.name;
-  }
-  return {};
-}
+std::string_view tone_curve_name(ToneCurve curve) { return kToneCurves[place_of(curve)].name; }
 
 std::optional<float> parse_exposure(std::string_view text) {
   if (text == "auto") return std::nullopt;
@@ -243,11 +244,7 @@ const SrgbEncoder& srgb_encoder() {
 
 }  // namespace
 
-Shown::Shown(ToneCurve curve, float exposure) : curve_(shade::tone_linear), exposure_(exposure) {
-  for (const ToneCurveInfo& info : kToneCurves) {
-    if (info.curve == curve) curve_ = info.function;
-  }
-}
+Shown::Shown(ToneCurve curve, float exposure) : curve_(kToneCurves[place_of(curve)].function), exposure_(exposure) {}
 
 vec3 Shown::operator()(vec3 light) const {
   const vec3 linear = curve_(vec3(positive(light.x), positive(light.y), positive(light.z)) * exposure_);
