@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/text.h"
 #include "image/flip.h"
 #include "shade/color.glsl.h"
@@ -108,20 +109,30 @@ Image linear(const DisplayImage& image) {
   return result;
 }
 
-/// What the header says there is beside the picture; empty of other formats.
-std::vector<std::string> layers_of(const ImageName& name, ImageFormat format) {
-  if (format != ImageFormat::exr || !name.layer.empty()) return {};
-  return read_exr_header(name.path).layers;
-}
+/// A picture, and its file where that has layers beside it which count too.
+struct Opened {
+  explicit Opened(const ImageName& name) {
+    const bool is_whole = name.layer.empty();
+    if (is_whole && sniff_image_format(read_head(name.path, kSniffedBytes)) == ImageFormat::exr)
+      file.emplace(name.path);
+    picture = file ? file->read() : read_image_file(name);
+  }
+  std::vector<std::string> layers() const { return file ? file->header().layers : std::vector<std::string>(); }
 
-void compare_layers(const ImageName& first, const ImageName& second, const std::vector<std::string>& a,
-                    const std::vector<std::string>& b, double tolerance, PictureDifference& result) {
-  std::set_symmetric_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result.unmatched));
+  std::optional<ExrFile> file;
+  ImageFile picture;
+};
+
+void compare_layers(const ImageName& first, const ImageName& second, Opened& a, Opened& b, double tolerance,
+                    PictureDifference& result) {
+  const std::vector<std::string> of_a = a.layers(), of_b = b.layers();
+  std::set_symmetric_difference(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
+                                std::back_inserter(result.unmatched));
   std::vector<std::string> common;
-  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
+  std::set_intersection(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), std::back_inserter(common));
   for (const std::string& layer : common) {
-    const Image p = read_image_file({first.path, layer}).image;
-    const Image q = read_image_file({second.path, layer}).image;
+    const Image p = a.file->read(layer).image;
+    const Image q = b.file->read(layer).image;
     require_equal_sizes(p, q, first.text() + ":" + layer, second.text() + ":" + layer);
     result.layers.push_back(compare_images(p, q, false, tolerance));
     result.layers.back().layer = layer;
@@ -148,8 +159,9 @@ std::vector<fs::path> pictures_below(const fs::path& folder) {
 
 PictureDifference compare_pictures(const ImageName& first, const ImageName& second,
                                    const DifferenceSettings& settings) {
-  const ImageFile a = read_image_file(first);
-  const ImageFile b = read_image_file(second);
+  Opened opened_a(first), opened_b(second);
+  const ImageFile& a = opened_a.picture;
+  const ImageFile& b = opened_b.picture;
   require_equal_sizes(a.image, b.image, first.text(), second.text());
   PictureDifference result;
   result.size = {a.image.width, a.image.height};
@@ -157,7 +169,7 @@ PictureDifference compare_pictures(const ImageName& first, const ImageName& seco
   const bool is_display_b = is_display_format(b.format);
   result.is_display = is_display_a && is_display_b;
   result.layers.push_back(compare_images(a.image, b.image, result.is_display, settings.tolerance));
-  compare_layers(first, second, layers_of(first, a.format), layers_of(second, b.format), settings.tolerance, result);
+  compare_layers(first, second, opened_a, opened_b, settings.tolerance, result);
 
   const Film film_a = film_of(a.image);
   const Film film_b = film_of(b.image);

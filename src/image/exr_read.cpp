@@ -315,35 +315,74 @@ ImageFile read_part(Imf::MultiPartInputFile& file, const PartChoice& choice) {
   return result;
 }
 
+/// Calls `work` with what OpenEXR throws made an Error.
+template <class Work>
+auto understood(const std::string& where, const Work& work) {
+  return codec::converting_errors("damaged or unsupported OpenEXR: ", where, work);
+}
+
 }  // namespace
 
 ImageFile codec::decode_exr(std::span<const std::byte> bytes, const std::string& layer, const std::string& where) {
   check_exr_header(bytes, where);
-  return converting_errors("damaged or unsupported OpenEXR: ", where, [&] {
+  return understood(where, [&] {
     MemoryInput stream(bytes, where);
     Imf::MultiPartInputFile file(stream, 0);
     return read_part(file, choose_part(file, layer, where));
   });
 }
 
-ExrHeader read_exr_header(const std::filesystem::path& path) {
-  const std::string where = path.string();
-  const std::vector<std::byte> bytes = read_file(path);
-  if (sniff_image_format(bytes) != ImageFormat::exr) throw Error("not an OpenEXR file", where);
-  codec::check_exr_header(bytes, where);
-  return codec::converting_errors("damaged or unsupported OpenEXR: ", where, [&] {
-    codec::MemoryInput stream(bytes, where);
-    const Imf::MultiPartInputFile file(stream, 0);
-    ExrHeader result{codec::channel_names(file), codec::layer_names(file), {}};
-    for (int part = 0; part < file.parts(); ++part) {
-      const Imf::Header& header = file.header(part);
-      for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
-        if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute()))
-          result.metadata.emplace(attribute.name(), text->value());
-    }
-    result.metadata.erase("type");  // the library adds it to files that have none
-    return result;
+namespace {
+
+ExrHeader header_of(const Imf::MultiPartInputFile& file) {
+  ExrHeader result{codec::channel_names(file), codec::layer_names(file), {}};
+  for (int part = 0; part < file.parts(); ++part) {
+    const Imf::Header& header = file.header(part);
+    for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
+      if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute()))
+        result.metadata.emplace(attribute.name(), text->value());
+  }
+  result.metadata.erase("type");  // the library adds it to files that have none
+  return result;
+}
+
+}  // namespace
+
+struct ExrFile::Parts {
+  std::string where;
+  std::vector<std::byte> bytes;
+  std::optional<codec::MemoryInput> stream;
+  std::optional<Imf::MultiPartInputFile> file;
+  ExrHeader header;
+};
+
+ExrFile::ExrFile(const std::filesystem::path& path) : parts_(std::make_unique<Parts>()) {
+  Parts& p = *parts_;
+  p.where = path.string();
+  p.bytes = read_file(path);
+  if (sniff_image_format(p.bytes) != ImageFormat::exr) throw Error("not an OpenEXR file", p.where);
+  codec::check_exr_header(p.bytes, p.where);
+  understood(p.where, [&] {
+    p.stream.emplace(p.bytes, p.where);
+    p.file.emplace(*p.stream, 0);
+    p.header = header_of(*p.file);
   });
 }
+
+ExrFile::~ExrFile() = default;
+ExrFile::ExrFile(ExrFile&&) noexcept = default;
+ExrFile& ExrFile::operator=(ExrFile&&) noexcept = default;
+
+const ExrHeader& ExrFile::header() const { return parts_->header; }
+
+ImageFile ExrFile::read(const std::string& layer) {
+  Parts& p = *parts_;
+  ImageFile result =
+      understood(p.where, [&] { return read_part(*p.file, codec::choose_part(*p.file, layer, p.where)); });
+  result.format = ImageFormat::exr;
+  return result;
+}
+
+ExrHeader read_exr_header(const std::filesystem::path& path) { return ExrFile(path).header(); }
 
 }  // namespace candela

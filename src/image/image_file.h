@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -90,6 +91,24 @@ struct ExrHeader {
 };
 /// Throws Error.
 ExrHeader read_exr_header(const std::filesystem::path& path);
+
+/// An OpenEXR file of which several layers are wanted: it is read and opened once.
+class ExrFile {
+ public:
+  /// Throws Error.
+  explicit ExrFile(const std::filesystem::path& path);
+  ~ExrFile();
+  ExrFile(ExrFile&&) noexcept;
+  ExrFile& operator=(ExrFile&&) noexcept;
+
+  const ExrHeader& header() const;
+  /// The picture, or that layer, as read_image_file() gives it. Throws Error.
+  ImageFile read(const std::string& layer = {});
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 /// Radiance RGBE, run-length coded; negative values are clamped to 0. Alpha is dropped.
 void write_hdr(const std::filesystem::path& path, const Image& image);

@@ -74,6 +74,24 @@ TEST(unit_image_exr, metadata_survives_a_round_trip) {
   }
 }
 
+TEST(unit_image_exr, a_file_that_is_open_gives_each_layer_as_reading_it_alone_does) {
+  const TempFolder folder;
+  write_exr(folder / "a.exr", random_film(7, 5));
+  ExrFile file(folder / "a.exr");
+  EXPECT_EQ(file.header().layers, read_exr_header(folder / "a.exr").layers);
+  ASSERT_GT(file.header().layers.size(), 2u);
+  // In any order, and more than once.
+  for (const std::string layer : {"normal", "", "albedo", "normal", "depth"}) {
+    const ImageFile alone = read_image_file({folder / "a.exr", layer});
+    const ImageFile read = file.read(layer);
+    EXPECT_EQ(read.image.pixels, alone.image.pixels) << layer;
+    EXPECT_EQ(read.image.channels, alone.image.channels) << layer;
+    EXPECT_EQ(read.format, ImageFormat::exr);
+  }
+  EXPECT_THROW(file.read("nowhere"), Error);
+  EXPECT_THROW(ExrFile(folder / "nowhere.exr"), Error);
+}
+
 TEST(unit_image_exr, the_header_says_rec709_float_and_the_documented_channels) {
   const TempFolder folder;
   write_exr(folder / "a.exr", random_film(4, 4));
