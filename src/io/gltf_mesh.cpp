@@ -8,7 +8,8 @@
 #include <set>
 
 #include "io/gltf_outline.h"
-#include "io/tangents.h"
+#include "io/triangles.h"
+#include "io/vertex_frames.h"
 #include "scene/material_table.h"
 
 namespace candela::io {
@@ -17,83 +18,6 @@ namespace {
 
 // Beyond this a float has no fraction worth looking up; the limit keeps texture transforms finite.
 constexpr float kLargestUv = 1e6f;
-
-/// Twice the area vector; exact enough in double that only truly flat triangles give 0.
-dvec3 area_vector(const Primitive& primitive, const uvec3& t) {
-  const dvec3 a(primitive.positions[t.x]), b(primitive.positions[t.y]), c(primitive.positions[t.z]);
-  return glm::cross(b - a, c - a);
-}
-
-vec3 unit(dvec3 v) { return vec3(v / glm::length(v)); }
-
-template <class V>
-void gather(std::vector<V>& values, std::span<const std::uint32_t> sources) {
-  if (values.empty()) return;
-  std::vector<V> result(sources.size());
-  for (std::size_t i = 0; i < sources.size(); ++i) result[i] = values[sources[i]];
-  values = std::move(result);
-}
-
-/// New vertices, each a copy of the old one that `sources` names.
-void gather_vertices(Primitive& primitive, std::span<const std::uint32_t> sources) {
-  gather(primitive.positions, sources);
-  gather(primitive.normals, sources);
-  gather(primitive.tangents, sources);
-  for (auto& [set, uvs] : primitive.uvs) gather(uvs, sources);
-  gather(primitive.colors, sources);
-}
-
-/// Adds the triangles of one list, strip or fan.
-void assemble_run(std::span<const std::uint32_t> indices, std::uint64_t mode, std::vector<uvec3>& triangles) {
-  const std::size_t n = indices.size();
-  const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
-    const uvec3 t(indices[a], indices[b], indices[c]);
-    if (t.x != t.y && t.y != t.z && t.z != t.x) triangles.push_back(t);
-  };
-  if (mode == 4) {
-    for (std::size_t i = 0; i + 2 < n; i += 3) add(i, i + 1, i + 2);
-  } else if (mode == 5) {
-    for (std::size_t i = 0; i + 2 < n; ++i) add(i, i + 1 + i % 2, i + 2 - i % 2);  // glTF 2.0 §3.7.2.1, strips
-  } else {
-    for (std::size_t i = 0; i + 2 < n; ++i) add(i + 1, i + 2, 0);  // and fans
-  }
-}
-
-std::vector<uvec3> assemble(std::span<const std::uint32_t> indices, std::uint64_t mode) {
-  std::vector<uvec3> triangles;
-  triangles.reserve(mode == 4 ? indices.size() / 3 : indices.size());
-  while (true) {
-    const auto end = std::find(indices.begin(), indices.end(), kPrimitiveRestart);
-    assemble_run({indices.begin(), end}, mode, triangles);
-    if (end == indices.end()) return triangles;
-    indices = {end + 1, indices.end()};
-  }
-}
-
-/// The vertices that triangles name, ascending; triangles are renumbered to positions in that list.
-std::vector<std::uint32_t> compact(std::vector<uvec3>& triangles, std::size_t vertex_count) {
-  std::vector<std::uint32_t> used;
-  // A table over all vertices is fastest, unless a small primitive refers into a huge shared array.
-  if (vertex_count <= 64 * triangles.size()) {
-    std::vector<std::uint32_t> slot(vertex_count, 0);
-    for (const uvec3& t : triangles) slot[t.x] = slot[t.y] = slot[t.z] = 1;
-    for (std::size_t i = 0; i < vertex_count; ++i) {
-      if (slot[i] == 0) continue;
-      slot[i] = static_cast<std::uint32_t>(used.size());
-      used.push_back(static_cast<std::uint32_t>(i));
-    }
-    for (uvec3& t : triangles) t = uvec3(slot[t.x], slot[t.y], slot[t.z]);
-    return used;
-  }
-  for (const uvec3& t : triangles) used.insert(used.end(), {t.x, t.y, t.z});
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
-  const auto slot = [&](std::uint32_t v) {
-    return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());
-  };
-  for (uvec3& t : triangles) t = uvec3(slot(t.x), slot(t.y), slot(t.z));
-  return used;
-}
 
 template <class V>
 void add_scaled(std::vector<V>& values, const std::vector<V>& deltas, float weight) {
@@ -130,114 +54,6 @@ void clamp_uvs(std::vector<vec2>& uvs, const JsonView& json, Warnings& warnings)
     }
   }
   if (clamped) warnings.warn(fmt::format("texture coordinates beyond {:g} are clamped", kLargestUv), json);
-}
-
-/// Vertices become one per corner, each with its triangle's normal (glTF 2.0 §3.7.2.1).
-void make_flat(Primitive& primitive) {
-  std::vector<std::uint32_t> corners;
-  corners.reserve(primitive.triangles.size() * 3);
-  for (const uvec3& t : primitive.triangles) corners.insert(corners.end(), {t.x, t.y, t.z});
-  gather_vertices(primitive, corners);
-  primitive.normals.resize(corners.size());
-  for (std::size_t f = 0; f < primitive.triangles.size(); ++f) {
-    const auto first = static_cast<std::uint32_t>(f * 3);
-    primitive.triangles[f] = uvec3(first, first + 1, first + 2);
-    const vec3 normal = unit(area_vector(primitive, primitive.triangles[f]));
-    for (std::size_t i = 0; i < 3; ++i) primitive.normals[first + i] = normal;
-  }
-}
-
-/// Unit normals; one without a direction becomes that of the triangles around it.
-void normalize_normals(Primitive& primitive) {
-  std::vector<std::uint32_t> missing;
-  for (std::size_t i = 0; i < primitive.normals.size(); ++i) {
-    const dvec3 n(primitive.normals[i]);
-    const double length = glm::length(n);
-    // Double, because the squares of small floats underflow.
-    if (length > 0 && std::isfinite(length)) {
-      primitive.normals[i] = vec3(n / length);
-    } else {
-      missing.push_back(static_cast<std::uint32_t>(i));
-    }
-  }
-  if (missing.empty()) return;
-  std::vector<dvec3> sums(primitive.positions.size(), dvec3(0));
-  for (const uvec3& t : primitive.triangles) {
-    const dvec3 area = area_vector(primitive, t);
-    for (int i = 0; i < 3; ++i) sums[t[i]] += area;
-  }
-  for (const std::uint32_t i : missing) {
-    primitive.normals[i] = sums[i] == dvec3(0) ? vec3(0, 0, 1) : unit(sums[i]);
-  }
-}
-
-/// Tangents of a surface without uvs: along the circles of latitude about the mesh's y axis, as on the lathe.
-void turn_tangents(Primitive& primitive) {
-  // Nearer to a pole than this, the circle has no direction that a float could hold.
-  constexpr float kSmallestSine = 1e-3f;
-  primitive.tangents.reserve(primitive.normals.size());
-  for (const vec3 n : primitive.normals) {
-    const vec3 circle = glm::cross(vec3(0, 1, 0), n);
-    const float sine = glm::length(circle);
-    primitive.tangents.emplace_back(sine > kSmallestSine ? circle / sine : any_perpendicular(n), 1.0f);
-  }
-}
-
-/// MikkTSpace in the uv space that `slot`'s texture is looked up in: after KHR_texture_transform, so that a rotated or
-/// mirrored texture keeps its bumps upright. Vertices where frames meet that must not be averaged are split.
-void generate_tangents(const TextureSlot& slot, Primitive& primitive) {
-  std::vector<vec2> uvs = primitive.uvs[static_cast<std::size_t>(slot.uv_set)];
-  for (vec2& uv : uvs) uv = slot.apply(uv);
-  const TangentFrames frames = make_tangents(primitive.positions, primitive.normals, uvs, primitive.triangles);
-
-  // A vertex keeps the first group that it meets; each further group gets a copy.
-  struct Copy {
-    std::uint32_t group;
-    std::uint32_t next;
-  };
-  constexpr std::uint32_t kEnd = 0xFFFFFFFF;
-  const std::size_t originals = primitive.positions.size();
-  std::vector<std::uint32_t> sources(originals);
-  for (std::size_t i = 0; i < originals; ++i) sources[i] = static_cast<std::uint32_t>(i);
-  std::vector<Copy> copies(originals, Copy{kEnd, kEnd});
-  std::vector<bool> met(originals, false);
-  std::vector<vec4> tangents(originals, vec4(0));
-  for (std::size_t f = 0; f < primitive.triangles.size(); ++f) {
-    for (int i = 0; i < 3; ++i) {
-      const std::size_t corner = f * 3 + static_cast<std::size_t>(i);
-      std::uint32_t vertex = primitive.triangles[f][i];
-      if (!met[vertex]) {
-        met[vertex] = true;
-        copies[vertex].group = frames.groups[corner];
-      }
-      while (copies[vertex].group != frames.groups[corner]) {
-        if (copies[vertex].next == kEnd) {
-          copies[vertex].next = static_cast<std::uint32_t>(copies.size());
-          sources.push_back(sources[vertex]);
-          tangents.emplace_back(0.0f);
-          copies.push_back({frames.groups[corner], kEnd});
-        }
-        vertex = copies[vertex].next;
-      }
-      tangents[vertex] = frames.corners[corner];
-      primitive.triangles[f][i] = vertex;
-    }
-  }
-  if (sources.size() > originals) gather_vertices(primitive, sources);
-  primitive.tangents = std::move(tangents);
-  for (std::size_t i = 0; i < originals; ++i) {
-    if (!met[i]) primitive.tangents[i] = vec4(any_perpendicular(primitive.normals[i]), 1);
-  }
-}
-
-void normalize_tangents(Primitive& primitive) {
-  for (std::size_t i = 0; i < primitive.tangents.size(); ++i) {
-    vec4& tangent = primitive.tangents[i];
-    const dvec3 t(tangent);
-    const double length = glm::length(t);
-    tangent = vec4(length > 0 && std::isfinite(length) ? vec3(t / length) : any_perpendicular(primitive.normals[i]),
-                   tangent.w < 0 ? -1.0f : 1.0f);
-  }
 }
 
 /// Transposed adjugate: how normals turn, also under singular matrices; its sign makes mirrors keep the outside out.
