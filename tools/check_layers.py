@@ -60,7 +60,7 @@ THIRD_PARTY = {
     "fmt/": {"app", "candela", "check", "content", "denoise", "figures", "foreign", "ibl", "image", "io", "laws", "path", "raster", "scene"},
     "glm/": set(ALLOWED) | {"app"},
     "jpeglib.h": {"image"},
-    "nlohmann/": {"app", "foreign", "io"},
+    "nlohmann/": {"app", "candela", "foreign", "io"},
     "png.h": {"image"},
     "tbb/": {"base", "path"},
     "turbojpeg.h": {"image"},

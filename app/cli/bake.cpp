@@ -8,10 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "base/memory.h"
 #include "base/parallel.h"
-#include "base/stopwatch.h"
-#include "candela/light.h"
 #include "cli/bake_output.h"
 #include "cli/interrupt.h"
 #include "cli/option.h"
@@ -30,21 +27,17 @@ namespace fs = std::filesystem;
 namespace {
 
 struct BakeOptions {
-  LightChoice light;
+  BakeOrder order;
   std::string output;
   std::string report;
-  const ibl::Profile* profile = nullptr;
   std::optional<vec3> at;             ///< a point of the scene
   std::vector<std::string> compared;  ///< the two of --diff
-  BakeFormat format;
-  ibl::BakeSettings bake;
-  bool has_size = false;
-  bool has_levels = false;
-  bool has_mapping = false;
+  std::optional<int> size;
+  std::optional<int> levels;
+  std::optional<ibl::Mapping> mapping;
   bool has_format = false;
   bool tables = false;
   int table_size = 128;
-  bool extract_sun = false;
   bool json = false;
   bool quiet = false;
   int threads = 0;
@@ -76,16 +69,16 @@ void add_cube(Command& command, BakeOptions& o) {
   constexpr int kMostLevels = 13;
   constexpr int kMostSamples = 1 << 20;
   const std::string group = "Specular";
-  add_value(command, "--size", "N", o.bake.size, count_within(1, kMostSize), "Texels along a face of level 0 [256]")
+  add_value(command, "--size", "N", o.size, count_within(1, kMostSize), "Texels along a face of level 0 [256]")
       .group(group);
-  add_value(command, "--levels", "N", o.bake.levels, count_within(1, kMostLevels), "Each half the size of the last [6]")
+  add_value(command, "--levels", "N", o.levels, count_within(1, kMostLevels), "Each half the size of the last [6]")
       .group(group);
-  add_value(command, "--mapping", "NAME", o.bake.mapping,
+  add_value(command, "--mapping", "NAME", o.mapping,
             one_of<Mapping, 3>(
                 {{{"balanced", Mapping::balanced}, {"linear", Mapping::linear}, {"filament", Mapping::filament}}}),
             "Roughness of the levels: balanced (its square halves as texels do), linear, filament [balanced]")
       .group(group);
-  add_value(command, "--method", "NAME", o.bake.specular.method,
+  add_value(command, "--method", "NAME", o.order.settings.specular.method,
             one_of<Method, 5>({{{"auto", Method::automatic},
                                 {"zonal", Method::zonal},
                                 {"hierarchical", Method::hierarchical},
@@ -93,10 +86,10 @@ void add_cube(Command& command, BakeOptions& o) {
                                 {"montecarlo", Method::montecarlo}}}),
             "zonal, hierarchical; fis and montecarlo for comparison [auto: zonal where the lobe allows]")
       .group(group);
-  add_value(command, "--samples", "N", o.bake.specular.samples, count_within(1, kMostSamples),
+  add_value(command, "--samples", "N", o.order.settings.specular.samples, count_within(1, kMostSamples),
             "Of fis, montecarlo and riemann, per texel [1024]")
       .group(group);
-  command.flag("--sheen", o.bake.sheen, "Also the levels of the sheen lobe").group(group);
+  command.flag("--sheen", o.order.settings.sheen, "Also the levels of the sheen lobe").group(group);
 }
 
 void add_diffuse(Command& command, BakeOptions& o) {
@@ -104,19 +97,19 @@ void add_diffuse(Command& command, BakeOptions& o) {
   using ibl::Window;
   constexpr int kMostSize = 1024;
   const std::string group = "Diffuse";
-  add_value(command, "--irradiance", "NAME", o.bake.irradiance_method,
+  add_value(command, "--irradiance", "NAME", o.order.settings.irradiance_method,
             one_of<IrradianceMethod, 3>({{{"exact", IrradianceMethod::exact},
                                           {"riemann", IrradianceMethod::riemann},
                                           {"montecarlo", IrradianceMethod::montecarlo}}}),
             "exact; riemann and montecarlo for comparison [exact]")
       .group(group);
-  add_value(command, "--irradiance-size", "N", o.bake.irradiance_size, count_within(1, kMostSize),
+  add_value(command, "--irradiance-size", "N", o.order.settings.irradiance_size, count_within(1, kMostSize),
             "Texels along a face [32]")
       .group(group);
-  add_value(command, "--sh-order", "L", o.bake.sh_order, count_within(0, ibl::kMostShOrder),
+  add_value(command, "--sh-order", "L", o.order.settings.sh_order, count_within(0, ibl::kMostShOrder),
             "Highest degree of the spherical harmonics [2: nine of them]")
       .group(group);
-  add_value(command, "--window", "NAME", o.bake.window,
+  add_value(command, "--window", "NAME", o.order.settings.window,
             one_of<Window, 4>({{{"none", Window::none},
                                 {"hann", Window::hann},
                                 {"lanczos", Window::lanczos},
@@ -152,14 +145,14 @@ CubeAxes parse_axes_option(const std::string& text) {
 void add_files(Command& command, BakeOptions& o) {
   const std::string group = "Files";
   add_value(
-      command, "--profile", "ENGINE", o.profile, [](const std::string& text) { return &ibl::find_profile(text); },
+      command, "--profile", "ENGINE", o.order.profile, [](const std::string& text) { return &ibl::find_profile(text); },
       "What an engine reads: filament, three, babylon, khronos, bevy, godot, unreal, unity")
       .group(group);
-  add_value(command, "--format", "NAME", o.format, parse_format,
+  add_value(command, "--format", "NAME", o.order.format, parse_format,
             "exr, hdr (six faces a level), panorama, rgbm, gltf (EXT_lights_image_based), ktx2, ktx2-rgba32f, "
             "ktx2-rgb9e5, ktx1, ktx1-rgba16f, dds, dds-rgba32f [exr]")
       .group(group);
-  add_value(command, "--axes", "AXES", o.light.axes, parse_axes_option,
+  add_value(command, "--axes", "AXES", o.order.light.axes, parse_axes_option,
             "By which a cube map that is read is looked up, in terms of the world's: -x+y+z is as seen from inside")
       .group(group);
   command.texts("--diff", o.compared, "Compare two baked cube maps, level by level, and bake nothing")
@@ -171,15 +164,16 @@ void add_files(Command& command, BakeOptions& o) {
 void add_scene(Command& command, BakeOptions& o) {
   constexpr int kMostSpp = 1 << 20;
   add_value(
-      command, "--from-scene", "SCENE", o.light.scene, [](const std::string& text) { return text; },
+      command, "--from-scene", "SCENE", o.order.light.scene, [](const std::string& text) { return text; },
       "Bake what a point of a scene sees, path traced; ENV lights the scene [its own image-based light, else studio]")
       .group("Light");
-  add_root(command, o.light.load.root).group("Light");
-  add_texture_memory(command, o.light.load.texture_memory).group("Light");
-  add_scene_choice(command, o.light.load.scene).group("Light");
-  add_measures(command, o.light.load.measures, "Light");
+  add_root(command, o.order.light.load.root).group("Light");
+  add_texture_memory(command, o.order.light.load.texture_memory).group("Light");
+  add_scene_choice(command, o.order.light.load.scene).group("Light");
+  add_measures(command, o.order.light.load.measures, "Light");
   add_value(command, "--at", "X,Y,Z", o.at, parse_vec3, "That point, metres").group("Light");
-  add_value(command, "--spp", "N", o.light.samples, count_within(1, kMostSpp), "Samples per texel of what it sees [64]")
+  add_value(command, "--spp", "N", o.order.light.samples, count_within(1, kMostSpp),
+            "Samples per texel of what it sees [64]")
       .group("Light");
 }
 
@@ -189,20 +183,21 @@ void add_rest(Command& command, BakeOptions& o) {
   constexpr int kMostTable = 1024;
   constexpr int kMostThreads = 1024;
   add_value(
-      command, "--env-rotation", "DEG", o.light.rotation,
+      command, "--env-rotation", "DEG", o.order.light.rotation,
       [](const std::string& text) { return candela::radians(parse_number(text, -36000.0f, 36000.0f)); },
       "Turns the environment about +y [0]")
       .group("Light");
   add_value(
-      command, "--env-intensity", "X", o.light.intensity,
+      command, "--env-intensity", "X", o.order.light.intensity,
       [](const std::string& text) { return parse_number(text, 0.0f, kMostIntensity); },
       "Multiplies the environment [1]")
       .group("Light");
-  command.flag("--extract-sun", o.extract_sun, "Also the sun as numbers and the environment without it").group("Light");
-  add_value(command, "--proof", "N", o.bake.proof_directions, count_within(0, kMostDirections),
+  command.flag("--extract-sun", o.order.extracts_suns, "Also the sun as numbers and the environment without it")
+      .group("Light");
+  add_value(command, "--proof", "N", o.order.settings.proof_directions, count_within(0, kMostDirections),
             "Directions per level that are compared with the exact integral [16]")
       .group("Proof");
-  add_value(command, "--error", "X", o.bake.error, parse_share,
+  add_value(command, "--error", "X", o.order.settings.error, parse_share,
             "Refine until no level errs by more at its texels: 0.001 or 0.1%")
       .group("Proof");
   add_value(
@@ -219,38 +214,19 @@ void add_rest(Command& command, BakeOptions& o) {
   command.flag("-q,--quiet", o.quiet, "Nothing on standard error but errors").group("Running");
 }
 
-/// What the baker holds at once: the panorama, its sums and its harmonics, and directions and values of the faces.
-void check_memory(const BakeOptions& o, const ibl::Source& source) {
-  constexpr std::uint64_t kPerTexel = 96, kPerFaceTexel = 160, kAlways = std::uint64_t{1} << 28;
-  const auto texels = static_cast<std::uint64_t>(source.map.width) * static_cast<std::uint64_t>(source.map.height);
-  const auto size = static_cast<std::uint64_t>(o.bake.size);
-  require_memory(kAlways + texels * kPerTexel + 6 * size * size * kPerFaceTexel, available_memory(),
-                 fmt::format("a bake of {0}x{0} texels", o.bake.size), "--size");
-}
-
-bool has_light(const BakeOptions& o) { return !o.light.environment.empty() || !o.light.scene.empty(); }
-
 void check_usage(const BakeOptions& o) {
-  if (!has_light(o) && !o.tables) throw UsageError("what to bake is missing: an environment, a scene, or --tables");
+  if (!o.order.has_light() && !o.tables)
+    throw UsageError("what to bake is missing: an environment, a scene, or --tables");
   if (o.output.empty()) throw UsageError("where to is missing: -o DIR");
-  if (!has_light(o) && !o.report.empty()) throw UsageError("--report: there is no environment to report on");
-  if (!has_light(o) && o.extract_sun) throw UsageError("--extract-sun: there is no environment");
-  if (!o.light.scene.empty() && !o.at) throw UsageError("--from-scene: from where is missing: --at X,Y,Z");
-  if (o.light.axes && o.light.scene.empty() && is_built_in_environment(o.light.environment)) {
-    throw UsageError("--axes: " + o.light.environment + " is no cube map");
+  if (!o.order.has_light() && !o.report.empty()) throw UsageError("--report: there is no environment to report on");
+  if (!o.order.has_light() && o.order.extracts_suns) throw UsageError("--extract-sun: there is no environment");
+  if (!o.order.light.scene.empty() && !o.at) throw UsageError("--from-scene: from where is missing: --at X,Y,Z");
+  if (o.order.light.axes && o.order.light.scene.empty() && is_built_in_environment(o.order.light.environment)) {
+    throw UsageError("--axes: " + o.order.light.environment + " is no cube map");
   }
-  if (o.light.scene.empty() && o.at) throw UsageError("--at: there is no scene, see --from-scene");
-  if (o.profile != nullptr && (o.has_mapping || o.has_format)) {
-    throw UsageError("--profile: " + std::string(o.profile->name) + " has its own --mapping and --format");
-  }
-  if (o.bake.error > 0.0 && o.bake.proof_directions == 0)
-    throw UsageError("--error: nothing is measured with --proof 0");
-  if (o.bake.size % (1 << (o.bake.levels - 1)) != 0) {
-    throw UsageError(
-        fmt::format("--levels: {} do not halve a face of {} texels without rest", o.bake.levels, o.bake.size));
-  }
-  if (o.bake.specular.method == ibl::Method::fis && (o.bake.size & (o.bake.size - 1)) != 0) {
-    throw UsageError("--method: fis needs a --size that is a power of two");
+  if (o.order.light.scene.empty() && o.at) throw UsageError("--at: there is no scene, see --from-scene");
+  if (o.order.profile != nullptr && (o.mapping || o.has_format)) {
+    throw UsageError("--profile: " + std::string(o.order.profile->name) + " has its own --mapping and --format");
   }
 }
 
@@ -269,23 +245,22 @@ void check_combinations(const Command& command, const BakeOptions& o) {
     }
     return;
   }
-  if (!has_light(o) && o.tables) {
+  if (!o.order.has_light() && o.tables) {
     refuse({"--size", "--levels", "--mapping", "--method", "--samples", "--sheen", "--irradiance", "--irradiance-size",
             "--sh-order", "--window", "--env-rotation", "--env-intensity", "--proof", "--error", "--axes"},
            "there is no environment");
   }
   using ibl::IrradianceMethod;
   using ibl::Method;
-  const Method method = o.bake.specular.method;
-  if (method != Method::fis && method != Method::montecarlo && o.bake.irradiance_method == IrradianceMethod::exact) {
+  const Method method = o.order.settings.specular.method;
+  if (method != Method::fis && method != Method::montecarlo &&
+      o.order.settings.irradiance_method == IrradianceMethod::exact) {
     refuse({"--samples"}, "only for --method fis or montecarlo and --irradiance riemann or montecarlo");
   }
   if (!o.tables) refuse({"--table-size"}, "only with --tables");
-  if (o.light.scene.empty())
+  if (o.order.light.scene.empty())
     refuse({"--spp", "--root", "--texture-memory", "--scene", "--unit", "--up"}, "only with --from-scene");
-  if (!o.light.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
-  if (o.format.kind == BakeFormat::Kind::gltf) refuse({"--sheen"}, "--format gltf has no levels of the sheen lobe");
-  if (o.profile != nullptr) refuse({"--sheen"}, std::string(o.profile->name) + " has no levels of the sheen lobe");
+  if (!o.order.light.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
 }
 
 void check_paths(const BakeOptions& o) {
@@ -299,86 +274,66 @@ void check_paths(const BakeOptions& o) {
 /// The files that it is made of.
 Inputs inputs_of(const BakeOptions& o) {
   Inputs inputs;
-  inputs.add_environment(o.light.environment);
-  if (!o.light.scene.empty()) {
-    inputs.add(o.light.scene, "the scene " + o.light.scene);
-    add_scene_files({o.light.scene}, o.light.load.root, inputs);
+  inputs.add_environment(o.order.light.environment);
+  if (!o.order.light.scene.empty()) {
+    inputs.add(o.order.light.scene, "the scene " + o.order.light.scene);
+    add_scene_files({o.order.light.scene}, o.order.light.load.root, inputs);
   }
   return inputs;
 }
 
-/// What the engine expects, where nothing else is asked for.
-void follow_profile(const ibl::Profile& profile, BakeOptions& o) {
-  if (!o.has_size) o.bake.size = profile.size;
-  if (!o.has_levels) o.bake.levels = profile.levels;
-  o.bake.roughness.clear();
-  for (int level = 0; level < o.bake.levels; ++level) {
-    o.bake.roughness.push_back(
-        static_cast<double>(ibl::roughness_of_level(profile, level, o.bake.levels, o.bake.size)));
+/// What follows from several options together.
+void finish_order(BakeOptions& o) {
+  BakeOrder& order = o.order;
+  ibl::BakeSettings& settings = order.settings;
+  settings.size = o.size.value_or(settings.size);
+  settings.levels = o.levels.value_or(settings.levels);
+  settings.mapping = o.mapping.value_or(settings.mapping);
+  settings.irradiance_samples = settings.specular.samples;
+  if (o.at) order.light.position = *o.at;
+  if (o.tables) order.table_size = o.table_size;
+  if (order.profile != nullptr) follow_profile(o.size, o.levels, order);
+  if (order.format.kind == BakeFormat::Kind::gltf) follow_gltf(o.levels, o.mapping, order);
+  check_usage(o);
+  try {
+    check_order(order);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
   }
-}
-
-/// EXT_lights_image_based: roughness grows evenly with the levels, of which the last is about 16 x 16.
-void follow_gltf(BakeOptions& o) {
-  constexpr int kLevels = 5;
-  if (!o.has_levels) o.bake.levels = kLevels;
-  if (!o.has_mapping) o.bake.mapping = ibl::Mapping::linear;
-  if (o.bake.mapping != ibl::Mapping::linear) throw UsageError("--mapping: --format gltf has linear levels");
-  if ((o.bake.size & (o.bake.size - 1)) != 0) throw UsageError("--size: --format gltf needs a power of two");
-  if (o.bake.sh_order < 2) throw UsageError("--sh-order: --format gltf needs degree 2");
 }
 
 void run_diff(const BakeOptions& o) {
   const std::string& a = o.compared[0];
   const std::string& b = o.compared[1];
   const std::vector<CubeLevelDifference> levels =
-      diff_cubemaps(read_cubemap(a, o.light.axes), read_cubemap(b, o.light.axes));
+      diff_cubemaps(read_cubemap(a, o.order.light.axes), read_cubemap(b, o.order.light.axes));
   print(o.json ? diff_json(levels) : diff_text(levels));
 }
 
-/// All of the work, up to whole files in their place. Throws Interrupted before any is.
-void make_bake(BakeOptions& o, const Inputs& inputs, ProgressLine& progress, BakeResult& result) {
+/// What it makes, up to whole files in their place; returns these. Throws Interrupted before any is.
+std::vector<BakeFile> make_bake(const BakeOptions& o, const Inputs& inputs, ProgressLine& progress,
+                                BakeResult& result) {
   Job job = progress.job();
   const StopScope stop(job.stop);
-  if (o.at) o.light.position = *o.at;
-  o.bake.irradiance_samples = o.bake.specular.samples;
-  o.bake.specular.fis_size = o.bake.size;
-  const std::string& from = o.light.scene.empty() ? o.light.environment : o.light.scene;
-  result.name = !has_light(o) ? "tables" : is_built_in_environment(from) ? from : fs::path(from).filename().string();
-  result.settings = o.bake;
-  result.format = o.format;
-  result.profile = o.profile;
-  if (has_light(o)) {
-    progress.phase((o.light.scene.empty() ? "loading " : "capturing ") + from);
-    Diagnostics diagnostics;
-    job.diagnostics = &diagnostics;
-    const LoadedLight light = load_light(o.light, o.bake.size, job);
-    result.warnings = diagnostics.warnings();
-    for (const Diagnostic& warning : result.warnings) progress.warn(warning);
-    check_memory(o, light.source);
-    const Stopwatch watch;
-    result.bake = bake_light(light, o.bake, job);
-    result.bake_s = watch.seconds();
-    if (light.is_panorama) result.panorama = light.source.map;
-    if (o.extract_sun) result.suns = ibl::extract_suns(light.source);
+  const LightChoice& choice = o.order.light;
+  Diagnostics diagnostics;
+  job.diagnostics = &diagnostics;
+  std::optional<LoadedLight> light;
+  if (o.order.has_light()) {
+    progress.phase(choice.scene.empty() ? "loading " + choice.environment : "capturing " + choice.scene);
+    light = load_light(choice, o.order.settings.size, job);
   }
-  if (o.tables) {
-    progress.phase("tables");
-    const Stopwatch watch;
-    result.tables = ibl::make_tables(o.table_size);
-    result.tables_s = watch.seconds();
-  }
+  for (const Diagnostic& warning : diagnostics.warnings()) progress.warn(warning);
+  result = bake(o.order, light ? &*light : nullptr, job);
+  result.warnings = diagnostics.warnings();
   progress.phase("writing");
   const std::size_t told = result.warnings.size();
-  write_bake(o.output, inputs, o.report, result);
+  std::vector<BakeFile> files = write_bake(o.output, inputs, o.report, result);
   for (std::size_t i = told; i < result.warnings.size(); ++i) progress.warn(result.warnings[i]);
+  return files;
 }
 
-void run_bake(BakeOptions& o) {
-  if (!o.compared.empty()) return run_diff(o);
-  if (o.profile != nullptr) follow_profile(*o.profile, o);
-  if (o.format.kind == BakeFormat::Kind::gltf) follow_gltf(o);
-  check_usage(o);
+void run_bake(const BakeOptions& o) {
   check_paths(o);
   const Inputs inputs = inputs_of(o);
   if (!o.report.empty()) inputs.refuse(o.report);
@@ -386,21 +341,22 @@ void run_bake(BakeOptions& o) {
   ProgressLine progress(o.quiet);
   const Interrupt interrupt;
   BakeResult result;
+  std::vector<BakeFile> files;
   try {
-    make_bake(o, inputs, progress, result);
+    files = make_bake(o, inputs, progress, result);
   } catch (const Interrupted&) {
     throw Interrupted("the bake is not done, and no file of it is written");
   }
   progress.clear();
   if (!o.report.empty()) write_file(o.report, bake_html(result));
-  print(o.json ? bake_json(result) : bake_text(result));
+  print(o.json ? bake_json(result, files) : bake_text(result));
 }
 
 }  // namespace
 
 Verb add_bake(Command& command) {
   const auto options = std::make_shared<BakeOptions>();
-  command.text("ENV", options->light.environment,
+  command.text("ENV", options->order.light.environment,
                "An equirectangular .exr (:LAYER), .hdr, .png, .jpg, .webp or .avif; a cube map: .ktx2, .ktx, .dds, a "
                "cross or strip, a folder of six faces or a pattern with %s; or studio, sky, sky:DEG, furnace");
   command.text("-o,--output", options->output, "Folder to write to; it is made where it is absent").type("DIR");
@@ -415,11 +371,10 @@ Verb add_bake(Command& command) {
       "-o app/public --profile three --tables\n  candela bake --from-scene room.glb --at 0,1.6,0 sky -o probe --format "
       "ktx2\n  candela bake --diff old/specular.ktx2 new/specular.ktx2\n  candela bake --tables -o tables");
   return [options, &command] {
-    options->has_size = command.has("--size");
-    options->has_levels = command.has("--levels");
-    options->has_mapping = command.has("--mapping");
     options->has_format = command.has("--format");
     check_combinations(command, *options);
+    if (!options->compared.empty()) return run_diff(*options);
+    finish_order(*options);
     run_bake(*options);
   };
 }

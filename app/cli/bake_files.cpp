@@ -146,17 +146,19 @@ void check_target(const fs::path& path, const Inputs& inputs, const fs::path& re
 
 }  // namespace
 
-void write_bake(const fs::path& folder, const Inputs& inputs, const fs::path& report, BakeResult& result) {
+std::vector<BakeFile> write_bake(const fs::path& folder, const Inputs& inputs, const fs::path& report,
+                                 BakeResult& result) {
   const fs::path whole = folder.has_filename() ? folder : folder.parent_path();
   const Workshop workshop(fs::absolute(whole));
-  make_bake_files(workshop.made(), result);
+  write_bake_files(workshop.made(), result);
+  std::vector<BakeFile> files;
 
   std::set<std::string> names;
   for (const fs::directory_entry& file : fs::directory_iterator(workshop.made())) {
     names.insert(file.path().filename().string());
   }
   for (const std::string& name : names) {
-    result.files.push_back(describe(workshop.made() / name));
+    files.push_back(describe(workshop.made() / name));
     check_target(whole / name, inputs, report);
   }
   check_target(whole / kManifest, inputs, report);
@@ -169,9 +171,9 @@ void write_bake(const fs::path& folder, const Inputs& inputs, const fs::path& re
       continue;
     }
     result.warnings.push_back({"is of an earlier bake and stays, for this one read it", (whole / file.name).string()});
-    result.files.push_back(std::move(file));
+    files.push_back(std::move(file));
   }
-  write_file(workshop.made() / kManifest, bake_json(result));
+  write_file(workshop.made() / kManifest, bake_json(result, files));
   names.insert(kManifest);
 
   StopScope::check();
@@ -192,6 +194,7 @@ void write_bake(const fs::path& folder, const Inputs& inputs, const fs::path& re
     if (is_new) fs::remove(whole, code);
     throw;
   }
+  return files;
 }
 
 }  // namespace candela::cli

@@ -18,114 +18,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Colours of up to 256 times white, finer in the dark than without the square.
-constexpr Rgbm kRgbm{.range = 16.0f, .is_squared = true};
-
-/// A cube of the world as `stem` of the format: addressed by the direction itself in textures, as seen from inside in
-/// pictures.
-EncodingLoss write_cube(const fs::path& folder, const std::string& stem, const Cubemap& cube,
-                        const BakeFormat& format) {
-  EncodingLoss loss;
-  if (format.kind == BakeFormat::Kind::texture) {
-    return write_texture(folder / (stem + container_extension(format.texture.container)), cube, format.texture);
-  }
-  if (format.kind == BakeFormat::Kind::faces) {
-    write_cube_faces(folder / (stem + format.extension), file_from_world(cube, kPictureAxes));
-    return loss;
-  }
-  for (std::size_t level = 0; level < cube.levels.size(); ++level) {
-    const std::string name = cube.levels.size() > 1 ? fmt::format("{}_m{}", stem, level) : stem;
-    if (format.kind == BakeFormat::Kind::panorama) {
-      write_linear_image(folder / (name + ".exr"), ibl::equirect_from_cube(cube.levels[level], 4 * cube.size(level)));
-      continue;
-    }
-    const CubeFaces faces = file_from_world(cube.levels[level], kPictureAxes);
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-      loss += write_rgbm_png(folder / fmt::format("{}_{}.png", name, kFaceNames[i]), faces[i], kRgbm);
-    }
-  }
-  return loss;
-}
-
 Json vector_json(dvec3 v) { return {v.x, v.y, v.z}; }
-
-Json sun_json(const ibl::Sun& sun) {
-  const double illuminance = luminance(sun.illuminance);
-  return {{"direction", vector_json(sun.direction)},
-          {"angular_diameter_deg", 2.0 * sun.angular_radius * 180.0 / static_cast<double>(kPi)},
-          {"illuminance", illuminance},
-          {"color", vector_json(sun.illuminance / illuminance)}};
-}
-
-std::string suns_json(const ibl::SunExtraction& extraction) {
-  Json suns = Json::array();
-  for (const ibl::Sun& sun : extraction.suns) suns.push_back(sun_json(sun));
-  return Json{{"what",
-               "direction is towards the sun; illuminance is that of a surface facing it, in lux where radiance is in "
-               "cd/m2; illuminance x color is linear Rec.709"},
-              {"suns", suns}}
-             .dump(2) +
-         "\n";
-}
-
-void write_harmonics(const fs::path& folder, const BakeResult& result) {
-  const ShText text{.unit = "irradiance",
-                    .basis = "real, orthonormal, without the Condon-Shortley sign, l (l + 1) + m",
-                    .axes = axes_text(CubeAxes()),
-                    .source = result.name};
-  write_sh_json(folder / "sh.json", result.bake->sh.coefficients, text);
-  write_sh_header(folder / "sh.h", result.bake->sh.coefficients, text, "sh");
-}
-
-void write_table(const fs::path& folder, const std::string& stem, const Image& table, const TableText& text) {
-  write_linear_image(folder / (stem + ".exr"), table);
-  write_texture(folder / (stem + ".ktx2"), table, {.format = TexelFormat::rgba32f});
-  write_table_json(folder / (stem + ".json"), table, text);
-  write_table_header(folder / (stem + ".h"), table, text, stem);
-}
-
-void write_tables(const fs::path& folder, const ibl::Tables& tables) {
-  const std::string columns = "NoV, in the middle of texels";
-  const std::string rows = "roughness, in the middle of texels";
-  write_table(folder, "dfg", tables.dfg,
-              {"split sum of GGX: F0 scale + F90 bias; directional albedo of the sheen lobe",
-               columns,
-               rows,
-               {"scale", "bias", "sheen"}});
-  write_table(folder, "dfg_k_ibl", tables.dfg_k_ibl,
-              {"split sum of GGX with Schlick's masking, k = roughness^2 / 2", columns, rows, {"scale", "bias"}});
-}
-
-/// What an engine takes, in its own words.
-EncodingLoss write_for_engine(const fs::path& folder, const BakeResult& result) {
-  ibl::BakedLight light;
-  light.source = result.name;
-  if (result.bake) {
-    light.specular = &result.bake->specular;
-    light.diffuse = &result.bake->irradiance;
-    light.sh = result.bake->sh_radiance.coefficients;
-    if (result.panorama) light.panorama = &*result.panorama;
-  }
-  if (result.tables) light.table = &result.tables->dfg;
-  return ibl::write_for(*result.profile, folder, light).loss;
-}
-
-EncodingLoss write_plain(const fs::path& folder, const BakeResult& result) {
-  EncodingLoss loss;
-  if (result.bake) {
-    if (result.format.kind == BakeFormat::Kind::gltf) {
-      loss += write_gltf_light(folder, result);
-      if (result.tables) write_tables(folder, *result.tables);
-      return loss;
-    }
-    loss += write_cube(folder, "specular", result.bake->specular, result.format);
-    if (!result.bake->sheen.empty()) loss += write_cube(folder, "sheen", result.bake->sheen, result.format);
-    loss += write_cube(folder, "irradiance", cube_of_one_level(result.bake->irradiance), result.format);
-    write_harmonics(folder, result);
-  }
-  if (result.tables) write_tables(folder, *result.tables);
-  return loss;
-}
 
 Json error_json(const ibl::ErrorBound& error) { return {{"max", error.max}, {"rms", error.rms}}; }
 
@@ -175,30 +68,16 @@ std::string level_text(const std::string& name, int size, std::string_view metho
 
 }  // namespace
 
-void make_bake_files(const fs::path& folder, BakeResult& result) {
-  const EncodingLoss loss = result.profile != nullptr ? write_for_engine(folder, result) : write_plain(folder, result);
-  if (loss.clamped > 0) {
-    result.warnings.push_back(
-        {fmt::format("{} texels above what the format holds were clamped, the brightest was {:.4g}", loss.clamped,
-                     loss.largest),
-         ""});
-  }
-  if (result.suns) {
-    write_file(folder / "suns.json", suns_json(*result.suns));
-    write_linear_image(folder / "without_suns.exr", result.suns->rest.map);
-  }
-}
-
-std::string bake_json(const BakeResult& result) {
+std::string bake_json(const BakeResult& result, const std::vector<BakeFile>& files) {
   Json json = {{"environment", result.name}};
-  if (result.profile != nullptr) json["profile"] = result.profile->name;
+  if (result.order.profile != nullptr) json["profile"] = result.order.profile->name;
   if (result.bake) {
     const ibl::Bake& bake = *result.bake;
-    json["size"] = result.settings.size;
+    json["size"] = result.order.settings.size;
     json["energy"] = {{"in", vector_json(bake.flux_in)}, {"out", vector_json(bake.flux_out)}};
-    json["specular"] = levels_json(bake.levels, result.settings.size);
-    if (!bake.sheen.empty()) json["sheen"] = levels_json(bake.sheen_levels, result.settings.size);
-    json["irradiance"] = levels_json({bake.irradiance_level}, result.settings.irradiance_size)[0];
+    json["specular"] = levels_json(bake.levels, result.order.settings.size);
+    if (!bake.sheen.empty()) json["sheen"] = levels_json(bake.sheen_levels, result.order.settings.size);
+    json["irradiance"] = levels_json({bake.irradiance_level}, result.order.settings.irradiance_size)[0];
     json["irradiance"].erase("level");
     json["irradiance"].erase("method");
     json["irradiance"].erase("roughness");
@@ -212,13 +91,10 @@ std::string bake_json(const BakeResult& result) {
     }
     json["bake_s"] = result.bake_s;
   }
-  if (result.suns) {
-    json["suns"] = Json::array();
-    for (const ibl::Sun& sun : result.suns->suns) json["suns"].push_back(sun_json(sun));
-  }
+  if (result.suns) json["suns"] = Json::parse(suns_json(*result.suns))["suns"];
   if (result.tables) json["tables"] = {{"size", result.tables->dfg.width}, {"seconds", result.tables_s}};
-  if (!result.files.empty()) json["files"] = Json::array();
-  for (const BakeFile& file : result.files) {
+  if (!files.empty()) json["files"] = Json::array();
+  for (const BakeFile& file : files) {
     json["files"].push_back(
         {{"name", file.name}, {"bytes", file.bytes}, {"fingerprint", fmt::format("{:016x}", file.fingerprint)}});
   }
@@ -241,13 +117,13 @@ std::string bake_text(const BakeResult& result) {
     text += n > 0 ? "   at texels: max     rms    between: max     rms\n" : "\n";
     const auto lines = [&](const char* name, const std::vector<ibl::Level>& levels) {
       for (std::size_t i = 0; i < levels.size(); ++i) {
-        text += level_text(fmt::format("{} {}", name, i), result.settings.size >> i, method_name(levels[i].method),
-                           levels[i]);
+        text += level_text(fmt::format("{} {}", name, i), result.order.settings.size >> i,
+                           method_name(levels[i].method), levels[i]);
       }
     };
     lines("specular", bake.levels);
     lines("sheen", bake.sheen_levels);
-    text += level_text("irradiance", result.settings.irradiance_size, "", bake.irradiance_level);
+    text += level_text("irradiance", result.order.settings.irradiance_size, "", bake.irradiance_level);
     if (n > 0) {
       text += fmt::format("irradiance as harmonics of order {}: max {:.2g} %, rms {:.2g} %\n", bake.sh.order,
                           100.0 * bake.sh_error.max, 100.0 * bake.sh_error.rms);

@@ -48,15 +48,15 @@ std::string error_table(const BakeResult& result) {
       "<tr><th>max</th><th>rms</th><th>max</th><th>rms</th></tr>\n";
   for (std::size_t i = 0; i < bake.levels.size(); ++i) {
     if (bake.levels[i].roughness > 0.0) {
-      html += table_row(fmt::format("specular {}", i), result.settings.size >> i, bake.levels[i]);
+      html += table_row(fmt::format("specular {}", i), result.order.settings.size >> i, bake.levels[i]);
     }
   }
   for (std::size_t i = 0; i < bake.sheen_levels.size(); ++i) {
     if (bake.sheen_levels[i].roughness > 0.0) {
-      html += table_row(fmt::format("sheen {}", i), result.settings.size >> i, bake.sheen_levels[i]);
+      html += table_row(fmt::format("sheen {}", i), result.order.settings.size >> i, bake.sheen_levels[i]);
     }
   }
-  html += table_row("irradiance", result.settings.irradiance_size, bake.irradiance_level) + "</table>\n";
+  html += table_row("irradiance", result.order.settings.irradiance_size, bake.irradiance_level) + "</table>\n";
   if (bake.sh_error.directions == 0) return html;
   return html + fmt::format(
                     "<p>Irradiance as spherical harmonics of order {}: max {:.2g} %, rms {:.2g} %.</p>\n<p>Errors are "

@@ -1,15 +1,16 @@
+#include "candela/bake_gltf.h"
+
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
-#include "cli/bake_output.h"
 #include "image/cube_layout.h"
 #include "image/image_file.h"
 #include "image/rgbd.h"
 
 // A bake as a glTF file whose scene is lit by it: EXT_lights_image_based.
-namespace candela::cli {
+namespace candela {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -49,4 +50,4 @@ EncodingLoss write_gltf_light(const fs::path& folder, const BakeResult& result) 
   return loss;
 }
 
-}  // namespace candela::cli
+}  // namespace candela
