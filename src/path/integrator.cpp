@@ -72,8 +72,8 @@ struct Meeting {
 bool is_glass(const shade::Surface& surface) { return surface.weight_glass > max_component(surface.diffuse_below); }
 
 LightReceiver receiver_at(const SurfacePoint& point) {
-  using Side = LightReceiver::Side;
-  return {point.position, point.frame.n, shade::surface_scatters_through(point.surface) ? Side::both : Side::front};
+  return {point.position, point.frame.n,
+          shade::surface_scatters_through(point.surface) ? shade::kReceiverBoth : shade::kReceiverFront};
 }
 
 /// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance. Where the

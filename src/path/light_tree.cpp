@@ -1,5 +1,9 @@
 #include "path/light_tree.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "base/check.h"
 
 namespace candela::path {
@@ -23,7 +27,7 @@ constexpr Cone kAllDirections{};
 /// cos(a + b), -1 from π on; both within 0 … π.
 float cos_sum(float cos_a, float cos_b) {
   if (cos_a + cos_b <= 0.0f) return -1.0f;
-  return cos_a * cos_b - sine_of(cos_a) * sine_of(cos_b);
+  return cos_a * cos_b - shade::light_sine(cos_a) * shade::light_sine(cos_b);
 }
 
 /// About the mean of both axes: not the least cone, but one found without angles.
@@ -96,7 +100,8 @@ struct LightTree::Build {
   std::size_t leaf = 1;
   std::vector<Node>& nodes;
 
-  Extent fill(std::uint32_t index, std::size_t begin, std::size_t end);
+  Node& at(int index) const { return nodes[static_cast<std::size_t>(index)]; }
+  Extent fill(int index, std::size_t begin, std::size_t end);
   Extent fill_leaf(Node& node, std::size_t begin, std::size_t end) const;
   std::size_t split(std::size_t begin, std::size_t end);
   static void finish(Node& node, const Extent& extent, const Cone& cone);
@@ -131,18 +136,19 @@ LightTree::Build::Extent LightTree::Build::fill_leaf(Node& node, std::size_t beg
   return extent;
 }
 
-LightTree::Build::Extent LightTree::Build::fill(std::uint32_t index, std::size_t begin, std::size_t end) {
-  nodes[index].first = static_cast<std::uint32_t>(begin);
-  nodes[index].end = static_cast<std::uint32_t>(end);
-  if (end - begin <= leaf) return fill_leaf(nodes[index], begin, end);
+LightTree::Build::Extent LightTree::Build::fill(int index, std::size_t begin, std::size_t end) {
+  at(index).first = static_cast<int>(begin);
+  at(index).end = static_cast<int>(end);
+  if (end - begin <= leaf) return fill_leaf(at(index), begin, end);
   const std::size_t middle = split(begin, end);
-  const auto left = static_cast<std::uint32_t>(nodes.size());
-  nodes[index].children = left;
+  const auto left = static_cast<int>(nodes.size());
+  at(index).children = left;
   nodes.resize(nodes.size() + 2);
   const Extent a = fill(left, begin, middle);
   const Extent b = fill(left + 1, middle, end);
-  const Node &l = nodes[left], &r = nodes[left + 1];
-  Node& node = nodes[index];
+  const Node &l = at(left), &r = at(left + 1);
+  Node& node = at(index);
+  node.is_exact = true;
   node.cos_emission = std::min(l.cos_emission, r.cos_emission);
   node.range = std::max(l.range, r.range);
   Extent extent{a.box, a.power + b.power};

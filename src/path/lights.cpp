@@ -23,18 +23,6 @@ static_assert(static_cast<int>(LightType::point) == shade::kPointLight &&
 /// Keeps sums of absurdly bright lamps finite.
 constexpr float kMostPower = 1e30f;
 
-/// Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
-vec3 sample_barycentric(vec2 u) {
-  if (u.y > u.x) {
-    u.x *= 0.5f;
-    u.y -= u.x;
-  } else {
-    u.y *= 0.5f;
-    u.x -= u.y;
-  }
-  return {u.x, u.y, 1.0f - u.x - u.y};
-}
-
 /// Mean emitted luminance of a triangle. Textured: from so many points that every few texels are seen.
 float mean_emission(const MeshData& mesh, std::uint32_t triangle) {
   const uvec3 t = mesh.triangles[triangle];
@@ -51,7 +39,7 @@ float mean_emission(const MeshData& mesh, std::uint32_t triangle) {
   float sum = 0.0f;
   for (int i = 0; i < count; ++i) {
     SobolSampler sampler(triangle, static_cast<std::uint32_t>(i));
-    sum += luminance(emission_at(mesh, t, sample_barycentric(sampler.next_2d())));
+    sum += luminance(emission_at(mesh, t, shade::light_barycentric(sampler.next_2d())));
   }
   return sum / static_cast<float>(count);
 }
@@ -225,7 +213,7 @@ bool Lights::triangles_matter() const {
   }
   // At half the way from the middle of the scene to its corners.
   const auto distance = static_cast<double>(0.25f * glm::length(geometry_.bounds().size()));
-  return power / (4.0 * M_PI * distance * distance) > static_cast<double>(kLeastShare) * distant;
+  return power / (4.0 * static_cast<double>(kPi) * distance * distance) > static_cast<double>(kLeastShare) * distant;
 }
 
 /// Lamps without a place can be in no tree: each is a source, or all are one where they would leave too little of the
@@ -328,13 +316,13 @@ void Lights::make_tree() {
 /// As sample_punctual() has it, times the cosine.
 float Lights::irradiance(const PunctualLight& p, const LightReceiver& receiver) const {
   if (p.lamp.kind == shade::kDirectionalLight) {
-    return luminance(p.intensity) * receiver.facing(-glm::dot(receiver.normal, p.lamp.direction));
+    return luminance(p.intensity) * shade::light_facing(receiver.side, -glm::dot(receiver.normal, p.lamp.direction));
   }
   const vec3 to_light = p.position - receiver.position;
   const float distance = glm::length(to_light);
   if (!(distance > 0.0f)) return 0.0f;
   const vec3 direction = to_light / distance;
-  const float facing = receiver.facing(glm::dot(receiver.normal, direction));
+  const float facing = shade::light_facing(receiver.side, glm::dot(receiver.normal, direction));
   if (facing <= 0.0f) return 0.0f;
   float intensity = luminance(p.intensity) * shade::light_left(p.lamp, direction, distance);
   if (p.ies != nullptr && intensity > 0.0f) intensity *= ies_intensity(*p.ies, shade::light_local(p.lamp, direction));
@@ -348,10 +336,9 @@ float Lights::irradiance(const Source& source, const LightReceiver& receiver) co
     case SourceKind::directional:
       return source.strength;
     case SourceKind::sun: {
-      // Some of the disc may be above the horizon: cos(θ - r) ≤ cos θ + sin r + (1 - cos r).
       const auto& sun = environment_.suns()[source.first];
-      const float reach = std::sqrt(sun.sin2_radius) + sun.solid_angle / (2.0f * kPi);
-      return source.strength * receiver.facing(std::min(glm::dot(receiver.normal, sun.frame.n) + reach, 1.0f));
+      return source.strength * shade::light_sun_facing(receiver.side, glm::dot(receiver.normal, sun.frame.n),
+                                                       sun.sin2_radius, sun.solid_angle);
     }
     case SourceKind::punctual:
       return irradiance(punctual_[source.first], receiver);
@@ -378,16 +365,15 @@ void Lights::find_chances(const LightReceiver& receiver, bool is_seen, LightChan
   }
   if (!tree_.empty()) {
     const auto exact = [this](std::uint32_t lamp, const LightReceiver& at) { return leaf_irradiance(lamp, at); };
-    tree_.find_cut(receiver, is_seen ? LightTree::Cut::kMost : LightTree::Cut::kMost / 2, exact, chances.tree);
+    tree_.find_cut(receiver, is_seen ? shade::kLightCut : shade::kLightCut / 2, exact, chances.tree);
     float by_tree = 0.0f;
-    for (std::size_t i = 0; i < chances.tree.size; ++i) by_tree += chances.tree.share[i];
+    for (int i = 0; i < chances.tree.size; ++i) by_tree += chances.tree.shares[i];
     sum += by_tree;
-    constexpr float kMore = 3.0f;  // samples, where there is nothing but the tree
-    if (is_seen && sum > 0.0f) chances.samples = 1 + static_cast<int>(kMore * (by_tree / sum) + 0.5f);
+    if (is_seen && sum > 0.0f) chances.samples = shade::light_samples(by_tree / sum);
   }
   const float scale = sum > 0.0f ? 1.0f / sum : 0.0f;
   for (std::size_t i = 0; i < sources_.size(); ++i) chances.pmf[i] *= scale;
-  for (std::size_t i = 0; i < chances.tree.size; ++i) chances.tree.share[i] *= scale;
+  for (int i = 0; i < chances.tree.size; ++i) chances.tree.shares[i] *= scale;
 }
 
 LightSample Lights::sample(const LightChances& chances, float u_choice, vec2 u) const {
@@ -401,7 +387,7 @@ LightSample Lights::sample(const LightChances& chances, float u_choice, vec2 u) 
   const float chance = chances.pmf[index];
   if (chance <= 0.0f) return {};
   LightSample s =
-      sample_source(sources_[index], chances.receiver.position, std::min(u_choice / chance, 0x1.fffffep-1f), u);
+      sample_source(sources_[index], chances.receiver.position, std::min(u_choice / chance, shade::kLightAlmostOne), u);
   s.pdf *= chance * static_cast<float>(chances.samples);
   return s;
 }
@@ -431,15 +417,15 @@ LightSample Lights::sample_source(const Source& source, vec3 position, float u_c
 }
 
 LightSample Lights::sample_tree(const LightChances& chances, float u_choice, vec2 u) const {
-  const LightTree::Cut& cut = chances.tree;
-  std::size_t index = 0;
-  while (index + 1 < cut.size && u_choice >= cut.share[index]) u_choice -= cut.share[index++];
-  const float chance = cut.share[index];
+  const shade::LightCut& cut = chances.tree;
+  int index = 0;
+  while (index + 1 < cut.size && u_choice >= cut.shares[index]) u_choice -= cut.shares[index++];
+  const float chance = cut.shares[index];
   if (chance <= 0.0f) return {};
   const auto exact = [this](std::uint32_t lamp, const LightReceiver& at) { return leaf_irradiance(lamp, at); };
   const LightReceiver& receiver = chances.receiver;
   const LightTree::Choice choice =
-      tree_.choose(cut.nodes[index], receiver, std::min(u_choice / chance, 0x1.fffffep-1f), exact);
+      tree_.choose(cut.nodes[index], receiver, std::min(u_choice / chance, shade::kLightAlmostOne), exact);
   if (choice.pmf <= 0.0f) return {};
   const std::uint32_t light = tree_lights_[choice.lamp];
   LightSample s = light < punctual_.size()
@@ -461,13 +447,8 @@ LightSample Lights::sample_environment(vec2 u) const {
 }
 
 LightSample Lights::sample_sun(const EnvironmentLight::Sun& sun, vec2 u) const {
-  // Uniform in the cone; 1 - cos is kept as it is, because 1 - (1 - x) would lose half the digits of a sun's width.
-  const float one_minus_cos = u.x * sun.solid_angle / (2.0f * kPi);
-  const float cos_theta = 1.0f - one_minus_cos;
-  const float sin_theta = std::sqrt(one_minus_cos * (1.0f + cos_theta));
-  const float phi = 2.0f * kPi * u.y;
   LightSample s;
-  s.direction = sun.frame.to_world({sin_theta * std::cos(phi), sin_theta * std::sin(phi), cos_theta});
+  s.direction = sun.frame.to_world(shade::light_in_cone(sun.solid_angle, u));
   s.radiance = sun.radiance;
   s.pdf = 1.0f / sun.solid_angle;
   s.mis_power = kAreaMisPower;
@@ -497,7 +478,7 @@ LightSample Lights::sample_triangle(const TriangleLight& light, vec3 position, v
   const Placement& placement = geometry_.placement(light.placement);
   const MeshData& mesh = *placement.mesh;
   const TrianglePositions p = triangle_positions(placement, light.triangle);
-  const vec3 b = sample_barycentric(u);
+  const vec3 b = shade::light_barycentric(u);
   const vec3 point = p.p0 * b.x + p.p1 * b.y + p.p2 * b.z;
   const vec3 to_light = point - position;
   LightSample s;
@@ -546,10 +527,10 @@ float Lights::triangle_pdf(int light, const LightChances& chances, float distanc
     return chances.pmf[triangle.source] * source.choice.pmf(index) * density;
   }
   const auto exact = [this](std::uint32_t lamp, const LightReceiver& at) { return leaf_irradiance(lamp, at); };
-  const LightTree::Cut& cut = chances.tree;
-  for (std::size_t i = 0; i < cut.size; ++i) {
+  const shade::LightCut& cut = chances.tree;
+  for (int i = 0; i < cut.size; ++i) {
     if (!tree_.holds(cut.nodes[i], triangle.source)) continue;
-    return cut.share[i] * tree_.pmf(cut.nodes[i], chances.receiver, triangle.source, exact) * density;
+    return cut.shares[i] * tree_.pmf(cut.nodes[i], chances.receiver, triangle.source, exact) * density;
   }
   return 0.0f;
 }

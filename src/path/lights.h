@@ -27,12 +27,7 @@ struct LightSample {
   bool is_environment() const { return distance == kInfinity && !is_delta; }
 };
 
-/// Weight of a technique with density `a` against one with density `b`; power 1 (balance) or 2 (Veach 1997, §9.2).
-inline float mis_weight(float a, float b, float power) {
-  if (power == 1.0f) return a / (a + b);
-  const float r = b / a;
-  return 1.0f / (1.0f + r * r);
-}
+using shade::mis_weight;
 
 /// Exponents: the environment's density is compensated for the balance heuristic, the others do better with the power
 /// one.
@@ -42,24 +37,18 @@ inline constexpr float kAreaMisPower = 2.0f;
 /// How likely each source is chosen at one point of the scene, and each part of the tree.
 struct LightChances {
   static constexpr std::size_t kMost = 32;
-  LightReceiver receiver;
+  LightReceiver receiver{};
   std::array<float, kMost>
-      pmf;              ///< one per source; with those of the tree sum 1, or all 0 where no light can come from
-  LightTree::Cut tree;  ///< `share` is a pmf here
+      pmf;               ///< one per source; with those of the tree sum 1, or all 0 where no light can come from
+  shade::LightCut tree;  ///< `shares` are pmfs here
   /// How many lights the receiver samples. Densities are those of all together, so that their sum is the estimate.
   int samples = 1;
 
-  /// Of sample `i`: `u`, the same for all, gives each its stratum of the lights and its point on them.
-  float choice(int i, float u) const {
-    return samples == 1 ? u : (static_cast<float>(i) + u) / static_cast<float>(samples);
-  }
-  static vec2 place(int i, vec2 u) {
-    // Additive recurrence by the powers of 1 / 1.3247…, the real root of x³ = x + 1.
-    const vec2 moved = u + static_cast<float>(i) * vec2(0.7548777f, 0.5698403f);
-    return i == 0 ? u : glm::min(moved - glm::floor(moved), vec2(0x1.fffffep-1f));
-  }
+  /// What sample `i` chooses its light by, and its point on that.
+  float choice(int i, float u) const { return shade::light_stratum(i, samples, u); }
+  static vec2 place(int i, vec2 u) { return shade::light_place(i, u); }
 
-  LightChances() {}  // NOLINT(modernize-use-equals-default): the array is left as it is
+  LightChances() {}  // NOLINT(modernize-use-equals-default): the arrays are left as they are
 };
 
 /// Every light in the scene, in sources: the map, a sun, a punctual light, the emissive triangles of one primitive. A

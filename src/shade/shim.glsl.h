@@ -35,6 +35,7 @@ using glm::cross;
 using glm::dot;
 using glm::exp;
 using glm::exp2;
+using glm::floatBitsToInt;
 using glm::floor;
 using glm::fract;
 using glm::inversesqrt;

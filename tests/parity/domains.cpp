@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "shade/light_choice.glsl.h"
 #include "shade/surface_params.glsl.h"
 #include "support/random.h"
 
@@ -247,6 +248,29 @@ const std::vector<Row>& rows() {
       {"medium_*:extinction", magnitude(1e-2f, 1e2f)},
       {"phase_*:g", often(0.0f, uniform(-0.95f, 0.95f))},
 
+      {"light_*:side", whole(0, 2)},
+      {"light_*:cosine", uniform(-1.0f, 1.0f)},
+      {"light_*:cos_axis", uniform(-1.0f, 1.0f)},
+      {"light_mean_height:height", uniform(-2.0f, 2.0f)},
+      {"light_cut_*:place", whole(0, shade::kLightCut - 1)},
+      {"light_stratum:samples", whole(1, 4)},
+      {"light_place:i", whole(0, 3)},
+      {"light_sun_facing:sin2_radius", magnitude(1e-6f, 1e-2f)},
+      {"light_*:solid_angle", magnitude(1e-6f, 1e1f)},
+      {"mis_weight:[ab]", magnitude(1e-3f, 1e3f)},
+      {"mis_weight:power", often(1.0f, whole(2, 2))},
+      {"LightReceiver.position", uniform(-2.0f, 2.0f)},
+      {"LightReceiver.normal", direction(-1.0f, 1.0f)},
+      {"LightReceiver.side", whole(0, 2)},
+      {"LightNode.center", uniform(-2.0f, 2.0f)},
+      {"LightNode.radius", often(0.0f, magnitude(1e-3f, 2.0f))},
+      {"LightNode.axis", direction(-1.0f, 1.0f)},
+      {"LightNode.cos_*", uniform(-1.0f, 1.0f)},
+      {"LightNode.strength", magnitude(1e-3f, 1e3f)},
+      {"LightNode.range", often(3.4e38f, magnitude(1e-1f, 1e2f))},
+      {"LightEstimate.importance", often(0.0f, magnitude(1e-3f, 1e3f))},
+      {"LightCut.size", whole(1, shade::kLightCut - 1)},
+      {"LightCut.errors", often(0.0f, whole(0, 1 << 23))},
       {"PunctualLamp.kind", whole(0, 1)},
       {"PunctualLamp.falloff", whole(0, 3)},
       {"PunctualLamp.direction", direction(-1.0f, 1.0f)},

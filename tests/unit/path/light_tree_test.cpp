@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
 
 #include "math/frame.h"
@@ -12,7 +13,7 @@ namespace candela::path {
 namespace {
 
 using namespace test;
-using Side = LightReceiver::Side;
+using shade::LightCut;
 
 vec3 direction(Pcg32& random) {
   const float z = 2.0f * random.next_float() - 1.0f, phi = 2.0f * kPi * random.next_float();
@@ -46,9 +47,10 @@ struct Lamp {
     const vec3 at = has_surface ? p0 * b.x + p1 * b.y + p2 * b.z : p0;
     const vec3 d = at - receiver.position;
     const float distance = glm::length(d);
-    const float cos_receiver = receiver.side == Side::none   ? 1.0f
-                               : receiver.side == Side::both ? std::abs(glm::dot(receiver.normal, d)) / distance
-                                                             : glm::dot(receiver.normal, d) / distance;
+    const float cos_receiver = receiver.side == shade::kReceiverSpace ? 1.0f
+                               : receiver.side == shade::kReceiverBoth
+                                   ? std::abs(glm::dot(receiver.normal, d)) / distance
+                                   : glm::dot(receiver.normal, d) / distance;
     if (!(cos_receiver > 0.0f) || distance > range) return 0.0f;
     float intensity = power / (4.0f * kPi);
     float cos_lamp = -glm::dot(axis, d) / distance;
@@ -84,7 +86,7 @@ LightTree tree_of(const std::vector<Lamp>& lamps) {
   return LightTree(bounds);
 }
 
-LightReceiver random_receiver(Pcg32& random, Side side) {
+LightReceiver random_receiver(Pcg32& random, int side) {
   return {12.0f * random.next_vec3() - 1.0f, direction(random), side};
 }
 
@@ -95,28 +97,27 @@ struct Chooser {
 
   float operator()(std::uint32_t lamp, const LightReceiver& at) const { return lamps[lamp].reaches(at, vec3(1, 0, 0)); }
 
-  LightTree::Cut cut(const LightReceiver& receiver, std::size_t most = LightTree::Cut::kMost) const {
-    LightTree::Cut cut;
+  LightCut cut(const LightReceiver& receiver, int most = shade::kLightCut) const {
+    LightCut cut;
     tree.find_cut(receiver, most, *this, cut);
-    const float sum =
-        std::accumulate(cut.share.begin(), cut.share.begin() + static_cast<std::ptrdiff_t>(cut.size), 0.0f);
-    for (std::size_t i = 0; i < cut.size; ++i) cut.share[i] /= sum;
+    const float sum = std::accumulate(cut.shares, cut.shares + cut.size, 0.0f);
+    for (int i = 0; i < cut.size; ++i) cut.shares[i] /= sum;
     return cut;
   }
-  double pmf(const LightTree::Cut& cut, const LightReceiver& receiver, std::uint32_t lamp) const {
+  double pmf(const LightCut& cut, const LightReceiver& receiver, std::uint32_t lamp) const {
     double sum = 0.0;
-    for (std::size_t i = 0; i < cut.size; ++i) {
+    for (int i = 0; i < cut.size; ++i) {
       if (!tree.holds(cut.nodes[i], tree.rank(lamp))) continue;
-      sum += static_cast<double>(cut.share[i] * tree.pmf(cut.nodes[i], receiver, tree.rank(lamp), *this));
+      sum += static_cast<double>(cut.shares[i] * tree.pmf(cut.nodes[i], receiver, tree.rank(lamp), *this));
     }
     return sum;
   }
-  LightTree::Choice choose(const LightTree::Cut& cut, const LightReceiver& receiver, Pcg32& random) const {
+  LightTree::Choice choose(const LightCut& cut, const LightReceiver& receiver, Pcg32& random) const {
     float u = random.next_float();
-    std::size_t i = 0;
-    while (i + 1 < cut.size && u >= cut.share[i]) u -= cut.share[i++];
+    int i = 0;
+    while (i + 1 < cut.size && u >= cut.shares[i]) u -= cut.shares[i++];
     LightTree::Choice c = tree.choose(cut.nodes[i], receiver, random.next_float(), *this);
-    c.pmf *= cut.share[i];
+    c.pmf *= cut.shares[i];
     return c;
   }
 };
@@ -127,13 +128,13 @@ TEST(light_tree, chances_of_all_lamps_add_up_to_one) {
     const Chooser chooser{lamps};
     Pcg32 random(11);
     for (int i = 0; i < 60; ++i) {
-      const LightReceiver receiver = random_receiver(random, static_cast<Side>(i % 3));
-      const LightTree::Cut cut = chooser.cut(receiver, i % 2 == 0 ? 1 : LightTree::Cut::kMost);
+      const LightReceiver receiver = random_receiver(random, i % 3);
+      const LightCut cut = chooser.cut(receiver, i % 2 == 0 ? 1 : shade::kLightCut);
       double sum = 0.0;
       for (std::uint32_t lamp = 0; lamp < count; ++lamp) sum += chooser.pmf(cut, receiver, lamp);
       // A node may promise light that its children know not to come: then nothing is chosen.
       EXPECT_LT(sum, 1.0 + 1e-5);
-      if (receiver.side == Side::none && count > 3) {
+      if (receiver.side == shade::kReceiverSpace && count > 3) {
         EXPECT_GT(sum, 0.5) << count;
       }
     }
@@ -146,8 +147,8 @@ TEST(light_tree, points_without_a_surface_are_lit_by_some_lamp_for_certain) {
   const Chooser chooser{lamps};
   Pcg32 random(12);
   for (int i = 0; i < 50; ++i) {
-    const LightReceiver receiver = random_receiver(random, Side::none);
-    const LightTree::Cut cut = chooser.cut(receiver);
+    const LightReceiver receiver = random_receiver(random, shade::kReceiverSpace);
+    const LightCut cut = chooser.cut(receiver);
     double sum = 0.0;
     for (std::uint32_t lamp = 0; lamp < lamps.size(); ++lamp) sum += chooser.pmf(cut, receiver, lamp);
     EXPECT_NEAR(sum, 1.0, 1e-5);
@@ -160,8 +161,8 @@ TEST(light_tree, lamps_are_chosen_as_often_as_their_chance_says) {
   Pcg32 random(4);
   constexpr int kReceivers = 12;
   for (int i = 0; i < kReceivers; ++i) {
-    const LightReceiver receiver = random_receiver(random, static_cast<Side>(i % 3));
-    const LightTree::Cut cut = chooser.cut(receiver, i % 2 == 0 ? 3 : LightTree::Cut::kMost);
+    const LightReceiver receiver = random_receiver(random, i % 3);
+    const LightCut cut = chooser.cut(receiver, i % 2 == 0 ? 3 : shade::kLightCut);
     if (cut.size == 0) continue;
     constexpr int kTrials = 20000;
     std::vector<double> found(lamps.size() + 1), expected(lamps.size() + 1);
@@ -202,14 +203,14 @@ TEST(light_tree, no_lamp_that_reaches_a_point_is_without_a_chance) {
     const Chooser chooser{lamps};
     Pcg32 random(9);
     for (int i = 0; i < 400; ++i) {
-      LightReceiver receiver = random_receiver(random, static_cast<Side>(i % 3));
+      LightReceiver receiver = random_receiver(random, i % 3);
       // Some see a lamp just above their horizon.
       if (i % 4 == 3) {
         const vec3 to_lamp = lamps[static_cast<std::size_t>(i) % lamps.size()].p0 - receiver.position;
         const Frame frame = frame_from_normal(glm::normalize(to_lamp));
         receiver.normal = glm::normalize(frame.t + 1e-3f * frame.n);
       }
-      const LightTree::Cut cut = chooser.cut(receiver, i % 2 == 0 ? 1 : LightTree::Cut::kMost);
+      const LightCut cut = chooser.cut(receiver, i % 2 == 0 ? 1 : shade::kLightCut);
       for (std::uint32_t lamp = 0; lamp < lamps.size(); ++lamp) {
         const vec3 b = random.next_vec3();
         if (lamps[lamp].reaches(receiver, b / (b.x + b.y + b.z)) <= 0.0f) continue;
@@ -225,8 +226,9 @@ double noise_per_sample(const std::vector<Lamp>& lamps) {
   Pcg32 random(21);
   Moments noise;
   for (int i = 0; i < 200; ++i) {
-    const LightReceiver receiver{{10.0f * random.next_float(), -0.5f, 10.0f * random.next_float()}, {0, 1, 0}};
-    const LightTree::Cut cut = chooser.cut(receiver);
+    const LightReceiver receiver{
+        {10.0f * random.next_float(), -0.5f, 10.0f * random.next_float()}, {0, 1, 0}, shade::kReceiverFront};
+    const LightCut cut = chooser.cut(receiver);
     double sum = 0.0, squares = 0.0;
     for (std::uint32_t lamp = 0; lamp < lamps.size(); ++lamp) {
       const auto light = static_cast<double>(lamps[lamp].reaches(receiver, vec3(1.0f / 3.0f)));
@@ -257,8 +259,8 @@ TEST(light_tree, lamps_at_one_place_or_in_a_row_make_a_tree) {
       lamps[i].p0 = vec3(is_row ? std::ldexp(1.0f, -static_cast<int>(i)) : 0.5f, 0.0f, 0.0f);
     }
     const Chooser chooser{lamps};
-    const LightReceiver receiver{{0.0f, -1.0f, 0.0f}, {0, 1, 0}};
-    const LightTree::Cut cut = chooser.cut(receiver);
+    const LightReceiver receiver{{0.0f, -1.0f, 0.0f}, {0, 1, 0}, shade::kReceiverFront};
+    const LightCut cut = chooser.cut(receiver);
     double sum = 0.0;
     for (std::uint32_t lamp = 0; lamp < lamps.size(); ++lamp) sum += chooser.pmf(cut, receiver, lamp);
     EXPECT_NEAR(sum, 1.0, 1e-5);
@@ -271,8 +273,8 @@ TEST(light_tree, very_many_lamps_share_leaves) {
   const Chooser chooser{lamps};
   EXPECT_LT(chooser.tree.node_count(), lamps.size() / 2);
   Pcg32 random(3);
-  const LightReceiver receiver = random_receiver(random, Side::none);
-  const LightTree::Cut cut = chooser.cut(receiver);
+  const LightReceiver receiver = random_receiver(random, shade::kReceiverSpace);
+  const LightCut cut = chooser.cut(receiver);
   double sum = 0.0;
   for (std::uint32_t lamp = 0; lamp < lamps.size(); ++lamp) sum += chooser.pmf(cut, receiver, lamp);
   EXPECT_LT(sum, 1.0 + 1e-4);
