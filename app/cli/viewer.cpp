@@ -18,7 +18,7 @@
 #include "cli/values.h"
 #include "content/make_environment.h"
 #include "gl/window.h"
-#include "raster/renderer.h"
+#include "raster/render.h"
 #include "scene/environment.h"
 
 namespace candela::cli {
@@ -52,25 +52,28 @@ class Viewer {
   void watch_shaders();
   void draw();
   void save();
+  void report_warnings();
   View view() const;
 
   double opened_s_ = seconds_now();
   ViewOptions options_;
   Diagnostics diagnostics_;
+  std::size_t reported_ = 0;  ///< of `diagnostics_`
   Asset asset_;
-  Scene scene_;
+  std::shared_ptr<const Scene> scene_;
   Environment environment_;
   Box3 bounds_;  ///< of the scene at rest: what moves shall not move the camera
   DevelopSettings develop_;
   gl::Window window_;
   raster::Settings settings_;
-  std::unique_ptr<raster::Renderer> renderer_;
+  raster::Drawer drawer_;
   Orbit orbit_;
   std::optional<std::size_t> camera_;  ///< the node of the scene's own
   bool is_turned_ = false;             ///< by the user, away from it
   bool is_playing_ = false;
   double moment_s_ = 0.0, last_s_ = 0.0;
   bool is_broken_ = false;  ///< the shaders do not compile; the last picture stays
+  bool has_frame_ = false;
   fs::file_time_type shaders_changed_;
   double next_look_s_ = 0.0;
   int drawn_ = 0;
@@ -93,43 +96,41 @@ Viewer::Viewer(const ViewOptions& o)
                          .measures = o.measures,
                          .texture_memory = o.texture_memory,
                          .counts_texture_levels = true}),
-      scene_(asset_.scene()),
+      scene_(std::make_shared<const Scene>(asset_.scene())),
       environment_(o.environment ? make_environment(*o.environment, &diagnostics_)
-                                 : default_light(scene_, &diagnostics_)),
-      bounds_(subject_bounds(scene_)),
-      develop_(default_develop(scene_, environment_)),
+                                 : default_light(*scene_, &diagnostics_)),
+      bounds_(subject_bounds(*scene_)),
+      develop_(default_develop(*scene_, environment_)),
       window_("candela: " + o.scene, o.size),
-      settings_(settings_of(o)) {
+      settings_(settings_of(o)),
+      drawer_(scene_, environment_, shade::shading_model_candela(), raster::Device::of_current_context()) {
   const ivec2 size = window_.size();
-  settings_.width = std::max(size.x, 1), settings_.height = std::max(size.y, 1);
-  renderer_ =
-      std::make_unique<raster::Renderer>(scene_, environment_, shade::shading_model_candela(), settings_, diagnostics_);
-  if (raster::is_lit_from_far(environment_)) {
-    renderer_->set_light(raster::bake_light(environment_, raster::uses_sheen(scene_), settings_.cache));
-  }
-  const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
-  camera_ = default_camera(scene_, aspect, &diagnostics_);
-  renderer_->begin(view());
-  for (const Diagnostic& warning : diagnostics_.warnings()) std::cerr << "warning: " << warning.text() << '\n';
+  const float aspect = static_cast<float>(std::max(size.x, 1)) / static_cast<float>(std::max(size.y, 1));
+  camera_ = default_camera(*scene_, aspect, &diagnostics_);
+  report_warnings();
   is_playing_ = asset_.is_animated();
   if (!options_.shader_folder.empty()) shaders_changed_ = last_change(options_.shader_folder);
   last_s_ = seconds_now();
 }
 
+void Viewer::report_warnings() {
+  for (; reported_ < diagnostics_.warnings().size(); ++reported_) {
+    std::cerr << "warning: " << diagnostics_.warnings()[reported_].text() << '\n';
+  }
+}
+
 View Viewer::view() const {
   const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
-  if (!is_turned_ && camera_) return scene_camera(scene_, scene_.nodes[*camera_], aspect);
+  if (!is_turned_ && camera_) return scene_camera(*scene_, scene_->nodes[*camera_], aspect);
   return frame_box(bounds_, aspect, PerspectiveCamera{}.yfov, orbit_);
 }
 
 void Viewer::save() {
-  Film film;
-  film.beauty = renderer_->read();
   Inputs inputs;
   inputs.add(asset_.files());
   inputs.add_environment(options_.environment.value_or(""));
   const fs::path path = free_name({}, default_stem(options_.scene), inputs);
-  write_film(path, film, develop_);
+  write_film(path, drawer_.read_frame(), develop_);
   std::cerr << path.string() << '\n';
 }
 
@@ -144,8 +145,8 @@ void Viewer::react(const gl::Window::Input& input) {
   }
   for (const char key : input.keys) {
     if (key == ' ') is_playing_ = !is_playing_ && asset_.is_animated();
-    if (key == 'R') renderer_->programs().reload(), is_broken_ = false;
-    if (key == 'S') save();
+    if (key == 'R') drawer_.reload_shaders(), is_broken_ = false;
+    if (key == 'S' && has_frame_) save();
   }
 }
 
@@ -157,7 +158,7 @@ void Viewer::watch_shaders() {
   const fs::file_time_type changed = last_change(options_.shader_folder);
   if (changed == shaders_changed_) return;
   shaders_changed_ = changed;
-  renderer_->programs().reload();
+  drawer_.reload_shaders();
   is_broken_ = false;
   std::cerr << "shaders reloaded\n";
 }
@@ -165,16 +166,12 @@ void Viewer::watch_shaders() {
 void Viewer::draw() {
   const ivec2 size = window_.size();
   if (size.x < 1 || size.y < 1) return;
-  if (size != ivec2(settings_.width, settings_.height)) {
-    settings_.width = size.x, settings_.height = size.y;
-    renderer_->resize(size.x, size.y);
-  }
+  settings_.width = size.x, settings_.height = size.y;
   if (is_playing_) {
     const double length = asset_.duration_s("");
     moment_s_ = length > 0.0 ? std::fmod(moment_s_ + seconds_now() - last_s_, length) : 0.0;
-    scene_ = asset_.scene(Pose{"", moment_s_});
-    renderer_->set_scene(scene_);
-    if (renderer_->lacks_sheen_light()) renderer_->set_light(raster::bake_light(environment_, true, settings_.cache));
+    scene_ = std::make_shared<const Scene>(asset_.scene(Pose{"", moment_s_}));
+    drawer_.set_scene(scene_);
   }
   last_s_ = seconds_now();
   if (is_broken_) {
@@ -183,14 +180,11 @@ void Viewer::draw() {
     return;
   }
   try {
-    renderer_->begin(view());
-    renderer_->draw(view());
-    if (!develop_.exposure) {
-      Film film;
-      film.beauty = renderer_->read();
-      develop_.exposure = metered_exposure(film);
-    }
-    renderer_->present(size, develop_.exposure.value_or(1.0f), develop_.tone_curve);
+    drawer_.draw_frame(view(), settings_, {.diagnostics = &diagnostics_});
+    has_frame_ = true;
+    report_warnings();
+    if (!develop_.exposure) develop_.exposure = metered_exposure(drawer_.read_frame());
+    drawer_.present(size, develop_.exposure.value_or(1.0f), develop_.tone_curve);
   } catch (const Error& error) {
     if (options_.shader_folder.empty()) throw;
     is_broken_ = true;

@@ -149,7 +149,7 @@ bool Context::make_current() {
          eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_TRUE;
 }
 
-std::string Context::renderer() const {
+std::string Context::renderer() {
   const auto text = [](GLenum what) { return std::string(reinterpret_cast<const char*>(glGetString(what))); };
   return text(GL_RENDERER) + ", " + text(GL_VERSION);
 }

@@ -25,8 +25,8 @@ class Context {
   /// Again, where another one was opened since. False where another thread has it.
   bool make_current();
 
-  /// What the driver calls itself; while it is current.
-  std::string renderer() const;
+  /// What the driver of the current one calls itself.
+  static std::string renderer();
 
  private:
   Context(void* display, void* context) : display_(display), context_(context) {}

@@ -16,6 +16,7 @@ std::uint64_t picture_bytes(const Settings&) { refuse(); }
 struct Device::Parts {};
 Device::Device() { refuse(); }
 Device::~Device() = default;
+std::shared_ptr<Device> Device::of_current_context() { refuse(); }
 
 class Drawer::Impl {};
 Drawer::Drawer(std::shared_ptr<const Scene>, const Environment&, const shade::ShadingModel&, std::shared_ptr<Device>) {
@@ -27,6 +28,10 @@ void Drawer::set_probes(std::vector<Probe>) { refuse(); }
 void Drawer::set_scene(std::shared_ptr<const Scene>) { refuse(); }
 Film Drawer::render(const View&, const Settings&, const Job&, Statistics*) { refuse(); }
 Film Drawer::render(const MomentOf&, const Settings&, const Job&, Statistics*) { refuse(); }
+void Drawer::draw_frame(const View&, const Settings&, const Job&) { refuse(); }
+void Drawer::present(ivec2, float, ToneCurve) { refuse(); }
+Film Drawer::read_frame() { refuse(); }
+void Drawer::reload_shaders() { refuse(); }
 
 Film render(const Scene&, const Environment&, const View&, const Settings&, const Job&, Statistics*) { refuse(); }
 

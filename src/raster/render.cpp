@@ -162,10 +162,12 @@ void show_false_colors(Image& picture) {
 }  // namespace
 
 struct Device::Parts {
-  std::unique_ptr<gl::Context> context;
-  double open_s = 0.0;  ///< until it is told
-  LightKey key;         ///< of `light`
+  std::unique_ptr<gl::Context> context;  ///< null: someone else's, who keeps it current
+  double open_s = 0.0;                   ///< until it is told
+  LightKey key;                          ///< of `light`
   BakedLight light;
+
+  bool make_current() const { return context == nullptr || context->make_current(); }
 
   /// Bakes the light of an environment unless it is there.
   void bake(const Environment& environment, bool wants_sheen, const std::filesystem::path& cache) {
@@ -182,7 +184,13 @@ Device::Device() : parts_(std::make_unique<Parts>()) {
   parts_->open_s = watch.seconds();
 }
 
+Device::Device(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
 Device::~Device() = default;
+
+std::shared_ptr<Device> Device::of_current_context() {
+  return std::shared_ptr<Device>(new Device(std::make_unique<Parts>()));
+}
 
 class Drawer::Impl {
  public:
@@ -195,7 +203,7 @@ class Drawer::Impl {
   ~Impl() {
     if (renderer_ == nullptr) return;
     // What the driver holds is given back to its own context.
-    device().context->make_current();
+    device().make_current();
     renderer_.reset();
   }
   Impl(const Impl&) = delete;
@@ -222,16 +230,37 @@ class Drawer::Impl {
   }
 
   Film render(View view, const MomentOf& moment, const Settings& settings, const Job& job, Statistics& s);
+  void draw_frame(const View& view, const Settings& settings, const Job& job);
+  void present(ivec2 size, float exposure, ToneCurve tone_curve) {
+    use_frame();
+    renderer_->present(size, exposure, tone_curve);
+  }
+  Film read_frame() {
+    use_frame();
+    Film film;
+    film.beauty = renderer_->read();
+    return film;
+  }
+  void reload_shaders() {
+    if (renderer_ == nullptr) return;
+    use_device();
+    renderer_->programs().reload();
+  }
 
  private:
   Device::Parts& device() { return *device_->parts_; }
   void use_device() {
-    if (!device().context->make_current()) throw Error("a device of another thread cannot draw here");
+    if (!device().make_current()) throw Error("a device of another thread cannot draw here");
+  }
+  void use_frame() {
+    if (renderer_ == nullptr) throw Error("no frame was drawn");
+    use_device();
   }
   void give_light() {
     const BakedLight& light = device().light;
     renderer_->set_light(settings_.ambient == Ambient::baked ? light : simplified(light, settings_.ambient));
   }
+  bool is_prepared(const Settings& settings);
   void prepare(const View& view, const Settings& settings, Statistics& s);
   Film draw_frames(View view, const MomentOf& moment, const Job& job, Statistics& s);
   void tell_warnings(const Job& job);
@@ -247,10 +276,21 @@ class Drawer::Impl {
   std::unique_ptr<Renderer> renderer_;
 };
 
+/// Whether what pictures of these settings need is there, but for their size, which is set.
+bool Drawer::Impl::is_prepared(const Settings& settings) {
+  if (renderer_ == nullptr) return false;
+  Settings kept = settings_;
+  kept.width = settings.width, kept.height = settings.height;
+  if (settings != kept) return false;
+  if (settings != settings_) renderer_->resize(settings.width, settings.height);
+  settings_ = settings;
+  return true;
+}
+
 /// Uploads and compiles what pictures of these settings need, unless it is there.
 void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistics& s) {
   Stopwatch watch;
-  if (renderer_ != nullptr && settings == settings_) {
+  if (is_prepared(settings)) {
     renderer_->begin(view);
     glFinish();
     s.shadow_s = watch.lap();
@@ -353,7 +393,7 @@ Film Drawer::Impl::render(View view, const MomentOf& moment, const Settings& set
   check(view);
   use_device();
   s = {};
-  s.driver = device().context->renderer();
+  s.driver = gl::Context::renderer();
   s.open_s = std::exchange(device().open_s, 0.0);
   prepare(view, settings, s);
   const Stopwatch watch;
@@ -365,6 +405,20 @@ Film Drawer::Impl::render(View view, const MomentOf& moment, const Settings& set
   s.draws = renderer_->scene().draws().size();
   tell_warnings(job);
   return film;
+}
+
+void Drawer::Impl::draw_frame(const View& view, const Settings& settings, const Job& job) {
+  check(settings);
+  check(view);
+  use_device();
+  if (is_prepared(settings)) {
+    renderer_->begin(view);
+  } else {
+    Statistics ignored;
+    prepare(view, settings, ignored);
+  }
+  renderer_->draw(view);
+  tell_warnings(job);
 }
 
 Drawer::Drawer(std::shared_ptr<const Scene> scene, const Environment& environment, const shade::ShadingModel& shading,
@@ -389,6 +443,13 @@ Film Drawer::render(const MomentOf& moment, const Settings& settings, const Job&
   Statistics ignored;
   return impl_->render({}, moment, settings, job, statistics != nullptr ? *statistics : ignored);
 }
+
+void Drawer::draw_frame(const View& view, const Settings& settings, const Job& job) {
+  impl_->draw_frame(view, settings, job);
+}
+void Drawer::present(ivec2 size, float exposure, ToneCurve tone_curve) { impl_->present(size, exposure, tone_curve); }
+Film Drawer::read_frame() { return impl_->read_frame(); }
+void Drawer::reload_shaders() { impl_->reload_shaders(); }
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             const Job& job, Statistics* statistics) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "image/develop.h"
 #include "image/film.h"
 #include "image/job.h"
 #include "raster/image_light.h"
@@ -84,6 +85,9 @@ class Device {
  public:
   /// Throws Error without OpenGL.
   Device();
+  /// On the OpenGL ES 3.0 context that is current, a window's for example. It must stay current while the device, or
+  /// any Drawer of it, is used or deleted.
+  static std::shared_ptr<Device> of_current_context();
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -91,11 +95,12 @@ class Device {
  private:
   friend class Drawer;
   struct Parts;
+  explicit Device(std::unique_ptr<Parts> parts);
   std::unique_ptr<Parts> parts_;
 };
 
 /// A scene with its light, prepared for drawing: uploaded, its light baked, its programs compiled. Pictures with the
-/// same settings share all of it. To be used only on the thread of its device.
+/// same settings, but for their size, share all of it. To be used only on the thread of its device.
 class Drawer {
  public:
   /// Without a device it opens its own. Throws Error for a scene that validate() refuses, and without OpenGL.
@@ -118,6 +123,18 @@ class Drawer {
   Film render(const View& view, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr);
   /// The same with another moment in each frame. The scene of the last one stays.
   Film render(const MomentOf& moment, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr);
+
+  // ----- one frame after the other, as a window needs them
+  /// Draws one frame of a view, through the middle of pixels and lens, and leaves it with the driver until something
+  /// else is drawn. Throws Error as render(); what was drawn before stays then. Warnings go to the job.
+  void draw_frame(const View& view, const Settings& settings, const Job& job = {});
+  /// Shows the frame in the framebuffer of a window of `size` pixels, which has the device's context. Throws Error
+  /// where none was drawn, as read_frame().
+  void present(ivec2 size, float exposure, ToneCurve tone_curve);
+  /// The frame as a picture, without layers.
+  Film read_frame();
+  /// Compiles the shaders of Settings::shader_folder again when they are next needed.
+  void reload_shaders();
 
  private:
   class Impl;

@@ -227,7 +227,7 @@ int write_report(const std::string& path) {
   std::ofstream file(path);
   file.precision(2);
   file << "# How far C++ and GLSL are apart\n\nEvery function of `src/shade/`, " << kInputs
-       << " random inputs each, C++ against GLSL ES 3.00 on " << context->renderer()
+       << " random inputs each, C++ against GLSL ES 3.00 on " << gl::Context::renderer()
        << ".\nWritten by `candela_parity_tests --report docs/parity.md`.\n\n"
        << "The error is |C++ - GLSL| over the larger, for a vector over its largest component. Further apart than the "
           "limit are outliers.\n\n"
