@@ -76,7 +76,7 @@ Accumulator::Accumulator(const Settings& settings, bool has_through)
 }
 
 std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
-  const bool may_have_through = settings.background == Background::transparent && !settings.environment_in_glass;
+  const bool may_have_through = settings.background == Background::transparent;
   // Judging noise takes what is metered, with copies to sort, and the errors.
   constexpr std::size_t kJudging = sizeof(float) * (1 + 8 + 3 + 1);
   return sizeof(Pixel) + (settings.has_features ? sizeof(Features) : 0) + (settings.noise ? kJudging : 0) +
