@@ -247,7 +247,9 @@ void Take::set_lens(const Scene& scene, View& view) const {
 Ground Take::ground_of(const Scene& scene) const {
   const GroundChoice& choice = *shot_.ground;
   Ground ground;
-  ground.height = choice.height.value_or(subject_bounds(scene).lower.y);
+  // A little below, so that a floor of the scene's own hides it.
+  const Box3 subject = subject_bounds(scene);
+  ground.height = choice.height.value_or(subject.lower.y - 1e-4f * glm::length(subject.size()));
   ground.mirror = choice.mirror;
   const std::optional<vec3> color = choice.color ? choice.color : shot_.background_color;
   if (color) ground.color = glm::clamp(*color, 0.0f, 1.0f);

@@ -31,7 +31,7 @@ struct GroundChoice {
   /// background, and what the ground sends back into the scene has its colour, or is grey where it has none.
   std::optional<vec3> color = {};
   float mirror = 0.0f;
-  std::optional<float> height = {};  ///< y, metres; empty = that of the subject's lowest point in the first picture
+  std::optional<float> height = {};  ///< y, metres; empty = just below the subject in the first picture
 };
 
 /// The picture or pictures to make. Whatever is empty is the scene's own choice. An Error about a member names the

@@ -87,10 +87,10 @@ struct Placement {
   bool is_world = false;         ///< the mesh already is in world space
   bool is_mirrored = false;      ///< negative determinant: the winding is reversed
   int node = -1;
-  int body = 0;          ///< the body that its faces bound, see find_bodies; 0 = none
-  int number = -1;       ///< of the node, as people know it
-  vec3 color{1.0f};      ///< multiplies the base colour; the node's opacity is in its mesh
-  int first_light = -1;  ///< index of triangle 0 among the emissive triangles
+  int body = 0;            ///< the body that its faces bound, see find_bodies; 0 = none
+  int number = -1;         ///< of the node, as people know it
+  vec3 color{1.0f};        ///< multiplies the base colour; the node's opacity is in its mesh
+  int first_light = -1;    ///< index of triangle 0 among the emissive triangles
   bool is_ground = false;  ///< of Scene::ground
 };
 

@@ -86,8 +86,8 @@ float expected_share(const LightSample& light, bool is_seen_ground) {
 /// background is seen, the environment shines on the near side of glass only.
 template <bool kHasMedia>
 vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& crossing, const SurfacePoint& point,
-                  const Meeting& meeting, const LightChances& chances, bool sees_background,
-                  bool is_seen_ground, float u_choice, vec2 u, RayCounts& counts) {
+                  const Meeting& meeting, const LightChances& chances, bool sees_background, bool is_seen_ground,
+                  float u_choice, vec2 u, RayCounts& counts) {
   const LightSample light = context.lights.sample(chances, u_choice, u);
   if (light.pdf <= 0.0f) return vec3(0.0f);
   const bool is_outside = point.is_outside(light.direction);

@@ -35,7 +35,7 @@ struct RayCounts {
 /// One sample of a pixel.
 struct PathSample {
   vec3 radiance{0.0f};
-  float alpha = 1.0f;         ///< 0 where the camera ray left the scene and the background is transparent
+  float alpha = 1.0f;  ///< 0 where the camera ray left the scene and the background is transparent
   vec3 through{0.0f};  ///< what that background is multiplied by: 1 there, less through glass and in shadows on ground
   vec3 feature_albedo{1.0f};  ///< of the first surface that is neither mirror nor clear glass, times what these leave
   vec3 feature_normal{0.0f};  ///< of the same; 0 where the path ends before

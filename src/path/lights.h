@@ -80,8 +80,8 @@ class Lights {
   void prefetch(vec2 u) const {
     if (environment_.can_sample()) environment_.prefetch_sample(u);
   }
-  /// Irradiance of an upward surface there that the scene does not keep light from: what is far away, and punctual lamps.
-  /// Only with a ground.
+  /// Irradiance of an upward surface there that the scene does not keep light from: what is far away, and punctual
+  /// lamps. Only with a ground.
   vec3 unhindered_irradiance(vec3 position) const;
   /// Radiance of a sample. The map's is read here, after the shadow ray, and has had that long to arrive.
   vec3 radiance(const LightSample& sample) const {

@@ -16,13 +16,13 @@ namespace candela::raster {
 
 namespace {
 
-constexpr int kTexels = 768;        // along an edge of the picture of the ground
-constexpr float kReach = 3.0f;      // half an edge, in radii of the subject
-constexpr float kFade = 0.15f;      // of half an edge
-constexpr int kLayers = 8;          // shadows that are added in one pass; as in ground.frag.glsl
-constexpr int kFarBeams = 128;      // of a map
-constexpr int kDiscBeams = 16;      // of a sun, or of a ball
-constexpr float kLevel = 0.01f;     // least height of light, as a sine: lower light is level
+constexpr int kTexels = 768;     // along an edge of the picture of the ground
+constexpr float kReach = 3.0f;   // half an edge, in radii of the subject
+constexpr float kFade = 0.15f;   // of half an edge
+constexpr int kLayers = 8;       // shadows that are added in one pass; as in ground.frag.glsl
+constexpr int kFarBeams = 128;   // of a map
+constexpr int kDiscBeams = 16;   // of a sun, or of a ball
+constexpr float kLevel = 0.01f;  // least height of light, as a sine: lower light is level
 
 /// Light from one direction or place.
 struct Beam {
@@ -119,8 +119,8 @@ mat4 ground_from_relative(vec4 from, vec2 middle, float half, float height, floa
   m[0] = {above / half, 0.0f, 0.0f, 0.0f};
   m[1] = {-(from.x - middle.x) / half, -(from.z - middle.y) / half, -1.0f - kDepth, -1.0f};
   m[2] = {0.0f, above / half, 0.0f, 0.0f};
-  m[3] = {((from.x - middle.x) * from.y - from.x * above) / half, ((from.z - middle.y) * from.y - from.z * above) / half,
-          from.y + kDepth * height, from.y};
+  m[3] = {((from.x - middle.x) * from.y - from.x * above) / half,
+          ((from.z - middle.y) * from.y - from.z * above) / half, from.y + kDepth * height, from.y};
   return m;
 }
 
@@ -246,8 +246,8 @@ vec3 GroundShare::at(vec2 xz) const {
   const vec2 from_middle = glm::abs(2.0f * uv - 1.0f);
   const float edge = std::max(from_middle.x, from_middle.y);
   if (!(edge < 1.0f)) return vec3(1.0f);
-  const vec2 p = glm::clamp(uv * vec2(share.width, share.height) - 0.5f, vec2(0.0f),
-                            vec2(share.width - 1, share.height - 1));
+  const vec2 p =
+      glm::clamp(uv * vec2(share.width, share.height) - 0.5f, vec2(0.0f), vec2(share.width - 1, share.height - 1));
   const ivec2 low(p);
   const ivec2 high = glm::min(low + 1, ivec2(share.width - 1, share.height - 1));
   const vec2 t = p - vec2(low);
@@ -277,8 +277,8 @@ GroundShare draw_ground_share(const Scene& scene, const Environment& environment
   // ----- what passes of each beam, and what there is without the scene
   constexpr std::size_t kCount = std::size_t{kTexels} * kTexels;
   std::vector<vec3> left(kCount, vec3(0.0f)), all(kCount, vec3(0.0f));
-  const bool has_veils = std::any_of(gpu.draws().begin(), gpu.draws().end(),
-                                     [&](const Draw& d) { return is_veil(gpu.material_of(d)); });
+  const bool has_veils =
+      std::any_of(gpu.draws().begin(), gpu.draws().end(), [&](const Draw& d) { return is_veil(gpu.material_of(d)); });
   ShadowLayers layers(has_veils);
   const auto point_of = [&](std::size_t i) {
     const vec2 texel(static_cast<float>(i % kTexels) + 0.5f, static_cast<float>(i / kTexels) + 0.5f);

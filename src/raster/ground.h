@@ -9,13 +9,13 @@
 #include "scene/scene.h"
 #include "scene/view.h"
 
-/// The scene's ground as the rasterizer shows it: see Ground. Which part of its light the scene keeps away is found once
-/// per scene, as a picture of the ground; frames look it up.
+/// The scene's ground as the rasterizer shows it: see Ground. Which part of its light the scene keeps away is found
+/// once per scene, as a picture of the ground; frames look it up.
 namespace candela::raster {
 
 /// What the scene leaves of the ground's light, around the subject.
 struct GroundShare {
-  Image share;       ///< RGB; the middle of the first texel is at (lowest x, lowest z)
+  Image share;        ///< RGB; the middle of the first texel is at (lowest x, lowest z)
   vec2 corner{0.0f};  ///< x and z of that texel's outer corner, world
   float size = 1.0f;  ///< metres along an edge
   float height = 0.0f;

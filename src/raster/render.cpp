@@ -387,8 +387,8 @@ Film Drawer::Impl::draw_frames(View view, const MomentOf& moment, const Job& job
     Image behind = renderer_->read_through();
     if (shows_ground()) {
       if (!ground_share_) {
-        ground_share_ = draw_ground_share(*scene_, environment_, settings_.light_radius, renderer_->scene(),
-                                          renderer_->programs());
+        ground_share_ =
+            draw_ground_share(*scene_, environment_, settings_.light_radius, renderer_->scene(), renderer_->programs());
       }
       show_ground(frame_camera(view, settings_.width, settings_.height, {}, jitter, lens), picture, behind);
     }

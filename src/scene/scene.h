@@ -161,9 +161,9 @@ struct ImageLight {
   int file_index = -1;
 };
 
-/// A level, endless ground below what a picture is of. It is matte where the scene's own light falls on it. Who looks at
-/// it does not see it, but what stands behind: the background, times the share of light from far away and from punctual
-/// lamps that the scene leaves to the ground at that place, and with the light that the scene adds.
+/// A level, endless ground below what a picture is of. It is matte where the scene's own light falls on it. Who looks
+/// at it does not see it, but what stands behind: the background, times the share of light from far away and from
+/// punctual lamps that the scene leaves to the ground at that place, and with the light that the scene adds.
 struct Ground {
   float height = 0.0f;  ///< y
   vec3 color{0.5f};     ///< linear reflectance, below 1, for the light that it sends back into the scene
