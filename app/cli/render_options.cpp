@@ -179,9 +179,9 @@ void add_light(Command& command, RenderOptions& o) {
   const auto degrees_within = [](float low, float high) {
     return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
   };
-  add_value(
-      command, "--env", "FILE|NAME", o.shot.environment, text,
-      "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
+  add_value(command, "--env", "FILE|NAME", o.shot.environment, text,
+            "An .exr (:LAYER) or .hdr, a cube map, or studio, studio:dark, studio:three-point, sky, sky:DEG, furnace, "
+            "none [the scene's wish, else studio]")
       .group(group);
   add_value(command, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
             "Height of the sun: short for --env sky:DEG")

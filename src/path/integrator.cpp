@@ -210,16 +210,22 @@ struct SeenGround {
   }
 };
 
-/// Follows the mirror image in a polished ground, where there is one. True with its ray and hit.
-bool mirror_in_ground(const PathContext& context, const SurfacePoint& point, SobolSampler& sampler, Ray& ray, Hit& hit,
-                      RayCounts& counts) {
+/// Follows the mirror image in a polished ground, where there is one, or else what shows there; `throughput` becomes
+/// that of the way. True with the ray and hit of the mirror image.
+bool mirror_in_ground(const PathContext& context, const SurfacePoint& point, SobolSampler& sampler, vec3& throughput,
+                      Ray& ray, Hit& hit, RayCounts& counts) {
   const float mirror = context.geometry.ground()->mirror;
-  if (mirror <= 0.0f || unit_float(sampler.next_hash()) >= mirror) return false;
+  if (mirror <= 0.0f) return false;
   const vec3 direction = ray.direction * vec3(1, -1, 1);
   const Ray mirrored{point.ray_origin(direction), direction};
   ++counts.bounce;
   const Hit met = context.geometry.intersect(mirrored, sampler.next_hash());
   if (!met) return false;
+  // A weak image is bright enough to be worth half of the samples.
+  const float chance = std::max(mirror, 0.5f);
+  const bool is_followed = unit_float(sampler.next_hash()) < chance;
+  throughput *= is_followed ? mirror / chance : (1.0f - mirror) / (1.0f - chance);
+  if (!is_followed) return false;
   ray = mirrored;
   hit = met;
   return true;
@@ -313,7 +319,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     if (is_seen_ground) {
       if (is_first) set_nothing(sample);
       is_first = false;
-      if (place.is_simple(false) && mirror_in_ground(context, point, sampler, ray, hit, counts)) {
+      if (place.is_simple(false) && mirror_in_ground(context, point, sampler, walk.throughput, ray, hit, counts)) {
         if (depth == context.bounces) break;
         is_eye = sees_background = ground.is_looked_for = false;
         bsdf_pdf = 0.0f;
@@ -502,7 +508,7 @@ PathSample trace_minimal(const PathContext& context, Ray ray, Hit hit, SobolSamp
     const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, crossing.eta);
     const bool is_seen_ground = ground.is_here(context, hit);
     if (is_seen_ground) {
-      if (place.is_simple(false) && mirror_in_ground(context, point, sampler, ray, hit, counts)) {
+      if (place.is_simple(false) && mirror_in_ground(context, point, sampler, walk.throughput, ray, hit, counts)) {
         if (depth == context.bounces) return sample;
         is_eye = sees_background = ground.is_looked_for = false;
         continue;

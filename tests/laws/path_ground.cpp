@@ -52,6 +52,7 @@ Image before(const Film& film, vec3 background) {
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) {
       picture.set_rgb(x, y, picture.rgb(x, y) + film.through.rgb(x, y) * background);
+      picture.at(x, y)[3] = 1.0f;
     }
   }
   return picture;
