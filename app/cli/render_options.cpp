@@ -26,9 +26,9 @@ constexpr int kOpenEndedSamples = 1 << 16;  // where --time or --noise is meant 
 
 /// The names of a table's rows.
 template <class Rows>
-std::string names_of(const Rows& rows) {
+std::string names_of(const Rows& rows, std::string_view separator = ", ") {
   std::string names;
-  for (const auto& row : rows) names += (names.empty() ? "" : ", ") + std::string(row.name);
+  for (const auto& row : rows) names += (names.empty() ? "" : std::string(separator)) + std::string(row.name);
   return names;
 }
 
@@ -62,6 +62,15 @@ void add_picture(Command& command, RenderOptions& o) {
       .group(group);
   add_value(command, "--background", "env|transparent|COLOUR", o.background, parse_background,
             "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
+      .group(group);
+  add_value(command, "--studio", names_of(kStudios, "|"), o.studio, parse_studio,
+            "Light, paper and exposure of a product shot; --env, --ground and --background override it [none]")
+      .group(group);
+  add_value(command, "--ground", "shadow|mirror:X|COLOUR", o.shot.ground, parse_ground,
+            "Under the subject: its shadow alone; with a mirror image; paper: white, grey+mirror:0.1 [nothing]")
+      .group(group);
+  add_value(command, "--ground-height", "Y", o.ground_height, number_within(-kHuge, kHuge),
+            "Of the ground, metres [the subject's lowest point]")
       .group(group);
   add_value(command, "--glass", "background|env", o.shot.environment_in_glass, parse_glass,
             "What clear glass before such a background shows through it [background]")
@@ -170,9 +179,9 @@ void add_light(Command& command, RenderOptions& o) {
   const auto degrees_within = [](float low, float high) {
     return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
   };
-  add_value(
-      command, "--env", "FILE|NAME", o.shot.environment, text,
-      "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
+  add_value(command, "--env", "FILE|NAME", o.shot.environment, text,
+            "An .exr (:LAYER) or .hdr, a cube map, or studio, studio:dark, studio:three-point, sky, sky:DEG, furnace, "
+            "none [the scene's wish, else studio]")
       .group(group);
   add_value(command, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
             "Height of the sun: short for --env sky:DEG")
@@ -267,6 +276,8 @@ Examples:
   candela render helmet.glb -o helmet.png -o helmet.exr --env sky --aov albedo,normal,depth
   candela render helmet.glb -o close.png --orbit -30,15,0.6 --fov 30deg --f-number 4 --noise 0.02
   candela render helmet.glb -o logo.png --background transparent --exposure 1.5 --tonemap agx
+  candela render shoe.glb -o shop.png --studio white
+  candela render shoe.glb -o page.png --ground shadow --background transparent
   candela render helmet.glb -o frame.png --engine raster
   candela render helmet.glb -o frames/%03d.png --engine raster --turntable 48
   candela render fox.glb -o run.png --animation Run --frame-time 0.4s --shutter 20ms
@@ -424,7 +435,19 @@ void finish_options(const Command& command, RenderOptions& o) {
   if (o.keeps_cache) o.shot.drawn.cache = cache_folder();
   o.shot.background = o.background.kind;
   o.shot.background_color = o.background.color;
-  if (command.has("--glass") && o.background.kind == Background::environment) {
+  if (o.studio) {
+    Shot shot;
+    set_studio(*o.studio, shot);
+    if (!o.shot.environment && !o.sun_elevation) o.shot.environment = shot.environment;
+    if (!o.shot.ground) o.shot.ground = shot.ground;
+  }
+  if (o.shot.ground) o.shot.ground->height = o.ground_height;
+  if (o.ground_height && !o.shot.ground) throw UsageError("--ground-height: only with --ground");
+  const bool is_paper = o.shot.ground && o.shot.ground->color;
+  if (is_paper && command.has("--background") && o.background.kind == Background::environment) {
+    throw UsageError("--ground: paper is the background too; --ground shadow lies in the environment");
+  }
+  if (command.has("--glass") && o.background.kind == Background::environment && !is_paper) {
     throw UsageError("--glass: without another --background glass shows the environment");
   }
   o.develop_given = command.has("--exposure") || command.has("--tonemap") || command.has("--bloom");

@@ -22,6 +22,8 @@ struct RenderOptions {
   bool keeps_cache = true;             ///< of the rasterizer
   std::optional<float> sun_elevation;  ///< degrees
   BackgroundChoice background;
+  std::optional<float> ground_height;
+  std::optional<Studio> studio;
   std::optional<Quality> quality;
   bool noise_given = false;    ///< --noise: a target that is not reached is worth a warning
   std::string denoiser = {};   ///< as --denoise has it

@@ -247,6 +247,27 @@ BackgroundChoice parse_background(const std::string& text) {
   return {Background::transparent, parse_color(text)};
 }
 
+GroundChoice parse_ground(const std::string& text) {
+  constexpr std::string_view kMirror = "mirror:";
+  GroundChoice ground;
+  const std::size_t plus = text.find('+');
+  const std::string first = text.substr(0, plus);
+  const bool is_mirror_alone = plus == std::string::npos && first.starts_with(kMirror);
+  const std::string mirror = is_mirror_alone ? first : plus == std::string::npos ? "" : text.substr(plus + 1);
+  if (plus != std::string::npos && !mirror.starts_with(kMirror)) {
+    throw UsageError(fmt::format("'{}' is not mirror:X with X from 0 to 1", mirror));
+  }
+  if (!mirror.empty()) ground.mirror = parse_number(mirror.substr(kMirror.size()), 0.0f, 1.0f);
+  if (is_mirror_alone || first == "shadow") return ground;
+  try {
+    ground.color = parse_color(first);
+  } catch (const UsageError&) {
+    throw UsageError(fmt::format("'{}' is neither shadow, nor mirror:X, nor a colour", first));
+  }
+  if (max_component(*ground.color) > 1.0f) throw UsageError("no ground reflects more than all light");
+  return ground;
+}
+
 bool parse_glass(const std::string& text) {
   if (text == "background") return false;
   if (text == "env") return true;

@@ -41,6 +41,7 @@ struct BackgroundChoice {
 BackgroundChoice parse_background(const std::string& text);
 /// Whether glass shows the environment.
 bool parse_glass(const std::string& text);
+GroundChoice parse_ground(const std::string& text);  ///< "shadow", "mirror:X", a colour, or "COLOUR+mirror:X"
 Engine parse_engine(const std::string& text);
 raster::Ambient parse_ambient(const std::string& text);
 

@@ -52,6 +52,23 @@ void set_quality(Quality quality, Shot& shot) {
   }
 }
 
+Studio parse_studio(std::string_view name) {
+  std::string known;
+  for (const StudioInfo& info : kStudios) {
+    if (info.name == name) return info.studio;
+    known += (known.empty() ? "" : ", ") + std::string(info.name);
+  }
+  throw Error("unknown studio \"" + std::string(name) + "\" (known: " + known + ")");
+}
+
+void set_studio(Studio studio, Shot& shot) {
+  for (const StudioInfo& info : kStudios) {
+    if (info.studio != studio) continue;
+    shot.environment = info.environment;
+    shot.ground = GroundChoice{.color = info.paper, .mirror = info.mirror};
+  }
+}
+
 std::vector<View> all_around(const View& view, vec3 center, int count) {
   std::vector<View> views;
   for (int i = 0; i < count; ++i) {
@@ -96,6 +113,10 @@ Shot takeable(Shot shot) {
   if (shot.engine == Engine::raster) raster::check_built();
   if (shot.engine == Engine::path || shot.probes > 0) path::check_built();
   shot.load.counts_texture_levels |= shot.engine == Engine::raster;
+  if (shot.ground && shot.ground->color && shot.background == Background::environment) {
+    shot.background = Background::transparent;
+    shot.background_color = shot.ground->color;
+  }
   return shot;
 }
 
@@ -223,12 +244,26 @@ void Take::set_lens(const Scene& scene, View& view) const {
   view.lens.focus_distance = distance;
 }
 
+Ground Take::ground_of(const Scene& scene) const {
+  const GroundChoice& choice = *shot_.ground;
+  Ground ground;
+  // A little below, so that a floor of the scene's own hides it.
+  const Box3 subject = subject_bounds(scene);
+  ground.height = choice.height.value_or(subject.lower.y - 1e-4f * glm::length(subject.size()));
+  ground.mirror = choice.mirror;
+  const std::optional<vec3> color = choice.color ? choice.color : shot_.background_color;
+  if (color) ground.color = glm::clamp(*color, 0.0f, 1.0f);
+  return ground;
+}
+
 /// The scene at a moment of its animation, or at rest.
 Scene Take::scene_at(double moment_s) {
   std::optional<Pose> pose;
   if (is_moving_) pose = Pose{shot_.animation.value_or(""), moment_s};
   Scene scene = asset_.scene(pose);
   if (shot_.falloff) set_falloff(*shot_.falloff, scene);
+  if (shot_.ground && !ground_) ground_ = ground_of(scene);
+  scene.ground = ground_;
   for (Camera& camera : scene.cameras) {
     if (shot_.ignores_planes) camera.near_plane = 0.0f, camera.far_plane = kInfinity;
   }

@@ -25,6 +25,15 @@ struct FalloffChoice {
   std::optional<vec3> polynomial = {};  ///< empty = each light's own
 };
 
+/// A level ground under the subject, see Ground.
+struct GroundChoice {
+  /// Linear, below 1: paper that is the background as well, unless that is transparent. Empty: what shows is the
+  /// background, and what the ground sends back into the scene has its colour, or is grey where it has none.
+  std::optional<vec3> color = {};
+  float mirror = 0.0f;
+  std::optional<float> height = {};  ///< y, metres; empty = just below the subject in the first picture
+};
+
 /// The picture or pictures to make. Whatever is empty is the scene's own choice. An Error about a member names the
 /// option of `candela render` that sets it.
 struct Shot {
@@ -36,6 +45,7 @@ struct Shot {
   ivec2 size{1280, 720};
   std::set<Layer> layers = {};
   Background background = Background::environment;
+  std::optional<GroundChoice> ground = {};
   bool environment_in_glass = false;  ///< with another background: glass still shows the environment behind it
   shade::ShadingModel shading = shade::shading_model_candela();
   std::string shading_name = {};                 ///< for the metadata; empty = the default model
@@ -107,6 +117,33 @@ Quality parse_quality(std::string_view name);
 
 /// Gives a shot the samples, the noise target and the denoiser, and the frames, that the quality means.
 void set_quality(Quality quality, Shot& shot);
+
+/// A place to photograph products in: light, ground, background and exposure that fit each other.
+enum class Studio {
+  white,       ///< white paper, which stays white
+  grey,        ///< grey paper
+  dark,        ///< contours on polished black
+  three_point  ///< key, fill and back light
+};
+
+struct StudioInfo {
+  Studio studio;
+  std::string_view name;  ///< on the command line
+  std::string_view environment;
+  vec3 paper;  ///< linear
+  float mirror;
+};
+inline constexpr auto kStudios = std::to_array<StudioInfo>({
+    {Studio::white, "white", "studio", vec3(1.0f), 0.0f},
+    {Studio::grey, "grey", "studio", vec3(0.31f, 0.315f, 0.325f), 0.0f},
+    {Studio::dark, "dark", "studio:dark", vec3(0.006f, 0.0065f, 0.0075f), 0.15f},
+    {Studio::three_point, "three-point", "studio:three-point", vec3(0.06f, 0.064f, 0.07f), 0.0f},
+});
+/// Throws Error that lists what there is.
+Studio parse_studio(std::string_view name);
+
+/// Gives a shot the environment and the ground of a studio. The environment's exposure holds unless the shot has one.
+void set_studio(Studio studio, Shot& shot);
 
 /// `view` turned about the vertical axis through `center` in `count` equal steps; the first is not turned.
 std::vector<View> all_around(const View& view, vec3 center, int count);
@@ -183,6 +220,7 @@ class Take {
   View choose_view(const Scene& scene, std::string& description) const;
   void set_lens(const Scene& scene, View& view) const;
   Scene scene_at(double moment_s);
+  Ground ground_of(const Scene& scene) const;
   View view_at(const Scene& scene, std::size_t index) const;
   std::map<std::string, std::string> metadata(double samples_per_pixel, bool is_denoised) const;
   void take_noise_out(TakenPicture& picture, const Job& job) const;
@@ -204,6 +242,7 @@ class Take {
   std::vector<double> moments_s_;           ///< of each picture, from the animation's start
   std::optional<std::size_t> camera_node_;  ///< the scene's own camera, used if no other is chosen
   bool has_own_camera_ = false;             ///< it may move
+  std::optional<Ground> ground_;            ///< once a scene is there to stand on it
   std::shared_ptr<const Scene> scene_;      ///< of the first picture
   Environment environment_;
   std::vector<View> views_;

@@ -204,6 +204,52 @@ Scene make_cornell() {
   return builder.finish("none", 2.4f);
 }
 
+Scene make_product() {
+  SceneBuilder builder("product");
+  const auto turned = [&](const char* name, std::vector<OutlineCorner> corners, Material material) {
+    material.name = name;
+    builder.node(name, builder.mesh(name, lathe(rounded_outline(corners), 128), builder.material(material)));
+  };
+  Material glaze;
+  glaze.base_color = srgb(0x0f5f63);
+  glaze.metallic = 0.0f;
+  glaze.roughness = 0.45f;
+  glaze.clearcoat = 1.0f;
+  glaze.clearcoat_roughness = 0.04f;
+  turned("jar",
+         {{{0.0f, 0.0f}},
+          {{0.029f, 0.0f}, 0.003f},
+          {{0.047f, 0.036f}, 0.03f},
+          {{0.040f, 0.076f}, 0.02f},
+          {{0.026f, 0.087f}, 0.004f},
+          {{0.027f, 0.093f}, 0.0015f},
+          {{0.0f, 0.093f}}},
+         glaze);
+  Material gold;
+  gold.base_color = vec3(1.0f, 0.782f, 0.344f);
+  gold.roughness = 0.22f;
+  turned("lid",
+         {{{0.0f, 0.0935f}},
+          {{0.030f, 0.0935f}, 0.001f},
+          {{0.030f, 0.099f}, 0.002f},
+          {{0.012f, 0.107f}, 0.006f},
+          {{0.006f, 0.111f}, 0.002f},
+          {{0.0f, 0.111f}}},
+         gold);
+  Material ruby;
+  ruby.name = "knob";
+  ruby.metallic = 0.0f;
+  ruby.roughness = 0.0f;
+  ruby.ior = 1.76f;
+  ruby.transmission = 1.0f;
+  ruby.thickness = 0.018f;
+  ruby.attenuation_color = vec3(0.9f, 0.05f, 0.07f);
+  ruby.attenuation_distance = 0.012f;
+  builder.node("knob", builder.mesh("knob", sphere(0.0095f, 64), builder.material(ruby)),
+               translation(vec3(0.0f, 0.1203f, 0.0f)));
+  return builder.finish("studio", 1.0f);
+}
+
 Scene make_relief() {
   constexpr int kSize = 512;
   const ivec2 stones(7, 7);
@@ -250,6 +296,7 @@ const std::vector<DemoInfo>& demos() {
         {"spheres", "roughness from 0 to 1 by material: ivory, cobalt, gold, iron"},
         {"cornell", "the Cornell box, lit by its ceiling lamp alone"},
         {"relief", "cobbles from a height map and a steel ball in the evening sun"},
+        {"product", "a glazed jar with a gilded lid, for --studio and --ground"},
         {"furnace", "white spheres in white light: a renderer that keeps energy shows nothing"}};
     for (DemoInfo& row : row_demos()) all.push_back(std::move(row));
     return all;
@@ -262,6 +309,7 @@ Scene make_demo(const std::string& name) {
   if (name == "materials") return make_materials();
   if (name == "cornell") return make_cornell();
   if (name == "relief") return make_relief();
+  if (name == "product") return make_product();
   if (name == "furnace") return make_furnace();
   if (std::optional<Scene> row = make_row(name)) return *std::move(row);
   std::string known;

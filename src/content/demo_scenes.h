@@ -17,6 +17,8 @@ Scene make_materials();
 Scene make_cornell();
 Scene make_furnace();
 Scene make_relief();
+/// What stands on no ground of its own.
+Scene make_product();
 /// A row of balls by its name, "row-…"; none = no such row.
 std::optional<Scene> make_row(const std::string& name);
 std::vector<DemoInfo> row_demos();

@@ -12,6 +12,8 @@ namespace {
 
 constexpr float kDefaultSunElevation = 35.0f;
 
+bool is_kind_of_studio(const std::string& name) { return name == "studio:dark" || name == "studio:three-point"; }
+
 /// Degrees after "sky:".
 float parse_sun_elevation(const std::string& name) {
   float value = 0.0f;
@@ -49,7 +51,7 @@ Environment load_environment(const std::string& path, Diagnostics* diagnostics) 
 }  // namespace
 
 bool is_built_in_environment(const std::string& name) {
-  return name == "studio" || name == "sky" || name.starts_with("sky:") || name == "furnace" || name == "none";
+  return name == "studio" || is_kind_of_studio(name) || name == "sky" || name.starts_with("sky:") || name == "furnace" || name == "none";
 }
 
 Environment make_environment(const std::string& name_or_path, Diagnostics* diagnostics) {
@@ -62,6 +64,7 @@ Environment make_environment(const std::string& name_or_path, Diagnostics* diagn
     return environment;
   }
   if (name_or_path == "studio") return content::make_studio();
+  if (is_kind_of_studio(name_or_path)) return content::make_studio(std::string_view(name_or_path).substr(7));
   if (name_or_path == "sky") return content::make_sky(kDefaultSunElevation);
   if (name_or_path.starts_with("sky:")) return content::make_sky(parse_sun_elevation(name_or_path));
   return load_environment(name_or_path, diagnostics);

@@ -7,7 +7,7 @@
 
 namespace candela {
 
-/// Built in: "studio", "sky" or "sky:ELEVATION" (degrees of the sun above the horizon, -5 to 90, default 35), "furnace"
+/// Built in: "studio", "studio:dark", "studio:three-point", "sky" or "sky:ELEVATION" (degrees of the sun above the horizon, -5 to 90, default 35), "furnace"
 /// (1 everywhere), "none". Anything else is a file, or FILE:LAYER of an OpenEXR file: an equirectangular .hdr or .exr
 /// (or .png/.jpg, sRGB decoded), or a cube map as read_environment_file takes it, which becomes a panorama four times
 /// as wide as a face. Texels that are negative or not finite are put right; that, and what of the file could not be

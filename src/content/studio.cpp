@@ -1,4 +1,6 @@
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "base/parallel.h"
 #include "content/builtin_environment.h"
@@ -63,9 +65,9 @@ struct Softbox {
   }
 };
 
-/// The room: a light sweep that is brightest behind the subject where it meets the floor, dimmer above and below. What
-/// the camera sees of it is the same all around, so that every orbit has that backdrop.
-vec3 backdrop(vec3 d, bool is_seen) {
+/// The room: a sweep that is brightest behind the subject where it meets the floor, dimmer above and below. What the
+/// camera sees of it is the same all around, so that every orbit has that backdrop. `pool_share`: of that brightness.
+vec3 backdrop(vec3 d, bool is_seen, float pool_share) {
   const float elevation = degrees(std::asin(glm::clamp(d.y, -1.0f, 1.0f)));
   const float above = 0.26f - 0.06f * smoothstep(0.0f, 75.0f, elevation);
   const float below = 0.26f - 0.16f * smoothstep(0.0f, 55.0f, -elevation);
@@ -75,25 +77,61 @@ vec3 backdrop(vec3 d, bool is_seen) {
   const float sideways = is_seen ? 0.0f : degrees(std::acos(glm::clamp(cos_sideways, -1.0f, 1.0f))) / 40.0f;
   const float height = (elevation + 8.0f) / 14.0f;
   const float pool = std::exp(-0.5f * (sideways * sideways + height * height));
-  return vec3(0.985f, 0.995f, 1.02f) * ((elevation > 0.0f ? above : below) + 0.34f * pool);
+  return vec3(0.985f, 0.995f, 1.02f) * ((elevation > 0.0f ? above : below) + 0.34f * pool_share * pool);
+}
+
+constexpr vec3 kWarm(1.04f, 1.0f, 0.94f), kCool(0.95f, 1.0f, 1.07f), kWhite(1.0f);
+
+/// A room and its lamps.
+struct Studio {
+  float room = 1.0f;        ///< how bright it is
+  float pool_share = 1.0f;  ///< how much of the background lamp there is
+  std::vector<Softbox> lamps;
+};
+
+Studio light_grey_studio() {
+  return {.lamps = {
+              // key: large, front left, above the camera
+              {around_camera(-46.0f, 38.0f), {15.5f, 15.5f}, 0.03f, 0.35f, 7.0f * kWarm},
+              // overhead: long, a little behind the subject so that tops shine
+              {around_camera(180.0f, 76.0f), {20.0f, 8.0f}, 0.03f, 0.35f, 6.6f * kWhite},
+              // rims: narrow strips behind left and right
+              {around_camera(-128.0f, 22.0f), {3.2f, 24.0f}, 0.016f, 0.3f, 8.0f * kCool},
+              {around_camera(120.0f, 24.0f), {4.2f, 26.0f}, 0.018f, 0.3f, 9.0f * kCool},
+              // fill: wide and weak, front right
+              {around_camera(62.0f, 12.0f), {15.0f, 23.0f}, 0.09f, 0.3f, 0.8f * kWhite},
+          }};
+}
+
+/// Contours before black: strips behind the subject and above it, and little from the front.
+Studio dark_studio() {
+  return {.room = 0.04f,
+          .pool_share = 0.0f,
+          .lamps = {
+              {around_camera(-122.0f, 20.0f), {4.5f, 30.0f}, 0.02f, 0.3f, 17.0f * kCool},
+              {around_camera(118.0f, 22.0f), {4.5f, 30.0f}, 0.02f, 0.3f, 17.0f * kWarm},
+              {around_camera(180.0f, 70.0f), {24.0f, 6.0f}, 0.03f, 0.35f, 9.0f * kWhite},
+              {around_camera(-40.0f, 35.0f), {9.0f, 9.0f}, 0.05f, 0.35f, 3.5f * kWarm},
+          }};
+}
+
+/// A portrait's key, fill and back light.
+Studio three_point_studio() {
+  return {.room = 0.12f,
+          .pool_share = 0.3f,
+          .lamps = {
+              {around_camera(-45.0f, 40.0f), {11.0f, 11.0f}, 0.03f, 0.35f, 17.0f * kWarm},
+              {around_camera(50.0f, 12.0f), {16.0f, 18.0f}, 0.08f, 0.3f, 1.6f * kCool},
+              {around_camera(160.0f, 48.0f), {9.0f, 9.0f}, 0.03f, 0.35f, 18.0f * kWhite},
+          }};
 }
 
 }  // namespace
 
-Environment make_studio() {
-  const vec3 warm(1.04f, 1.0f, 0.94f), cool(0.95f, 1.0f, 1.07f), white(1.0f);
-  const Softbox lamps[] = {
-      // key: large, front left, above the camera
-      {around_camera(-46.0f, 38.0f), {15.5f, 15.5f}, 0.03f, 0.35f, 7.0f * warm},
-      // overhead: long, a little behind the subject so that tops shine
-      {around_camera(180.0f, 76.0f), {20.0f, 8.0f}, 0.03f, 0.35f, 6.6f * white},
-      // rims: narrow strips behind left and right
-      {around_camera(-128.0f, 22.0f), {3.2f, 24.0f}, 0.016f, 0.3f, 8.0f * cool},
-      {around_camera(120.0f, 24.0f), {4.2f, 26.0f}, 0.018f, 0.3f, 9.0f * cool},
-      // fill: wide and weak, front right
-      {around_camera(62.0f, 12.0f), {15.0f, 23.0f}, 0.09f, 0.3f, 0.8f * white},
-  };
-
+Environment make_studio(std::string_view kind) {
+  Studio studio = light_grey_studio();
+  if (kind == "dark") studio = dark_studio();
+  if (kind == "three-point") studio = three_point_studio();
   Image map(kWidth, kHeight, 3);
   Image seen(kWidth, kHeight, 3);
   parallel_for(0, kHeight, 8, [&](std::size_t begin, std::size_t end) {
@@ -101,15 +139,15 @@ Environment make_studio() {
       for (int x = 0; x < kWidth; ++x) {
         const int y = static_cast<int>(row);
         const vec3 d = map_direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, kWidth, kHeight);
-        seen.set_rgb(x, y, backdrop(d, true));
-        vec3 radiance = backdrop(d, false);
-        for (const Softbox& lamp : lamps) radiance += lamp.at(d);
+        seen.set_rgb(x, y, studio.room * backdrop(d, true, studio.pool_share));
+        vec3 radiance = studio.room * backdrop(d, false, studio.pool_share);
+        for (const Softbox& lamp : studio.lamps) radiance += lamp.at(d);
         map.set_rgb(x, y, radiance);
       }
     }
   });
   Environment environment;
-  environment.name = "studio";
+  environment.name = kind.empty() ? "studio" : "studio:" + std::string(kind);
   environment.exposure = 1.0f;
   environment.map = std::make_shared<const Image>(std::move(map));
   environment.backdrop = std::make_shared<const Image>(std::move(seen));

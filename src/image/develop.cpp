@@ -75,7 +75,7 @@ float positive(float v) { return v > 0.0f ? v : 0.0f; }  // NaN becomes 0
 /// what glass reflects and what is seen through it are added as they would be in an eye.
 vec3 before_background(vec3 shown, float coverage, vec3 through, const DevelopSettings& settings, float& alpha) {
   shown *= coverage;
-  if (settings.background) return shown + *settings.background * glm::clamp(through, 0.0f, 1.0f);
+  if (settings.background) return shown + *settings.background * glm::max(through, vec3(0.0f));
   alpha = std::max(alpha, std::min(max_component(shown), 1.0f));
   return alpha > 0.0f ? shown / alpha : vec3(0.0f);
 }

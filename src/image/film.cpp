@@ -49,6 +49,7 @@ void accumulate(const Film& film, float share, Film& sum) {
     add_scaled(film.features->albedo_variance, share * share, sum.features->albedo_variance);
     add_scaled(film.features->normal_variance, share * share, sum.features->normal_variance);
     add_scaled(film.features->variance, share * share, sum.features->variance);
+    add_scaled(film.features->through_variance, share * share, sum.features->through_variance);
   }
   if (sum.beauty.pixels.empty()) {
     sum.beauty = Image(film.width(), film.height(), film.beauty.channels);
@@ -71,7 +72,7 @@ std::size_t count_mean_layers(const std::set<Layer>& layers) {
 }
 
 std::uint64_t film_bytes_per_pixel(const std::set<Layer>& layers, bool has_features) {
-  std::uint64_t floats = has_features ? 4 + 15 : 4;  // of the picture
+  std::uint64_t floats = has_features ? 4 + 18 : 4;  // of the picture
   for (const Layer layer : layers) floats += static_cast<std::uint64_t>(layer_channels(layer));
   return floats * sizeof(float);
 }

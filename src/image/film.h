@@ -53,10 +53,11 @@ Layer parse_layer(std::string_view name);
 struct DenoisingFeatures {
   Image albedo;  ///< of the first surface that is neither mirror nor clear glass, as seen by these; 1 for lights
   Image normal;  ///< world space, of the same; 0 where there is none
-  Image albedo_variance;  ///< of the mean, averaged over the channels: 1 channel
-  Image normal_variance;  ///< the same
-  Image seen;             ///< lamps and background, neither reflected nor refracted; A: variance of its luminance
-  Image variance;         ///< of the mean of the picture's other light, by channel
+  Image albedo_variance;   ///< of the mean, averaged over the channels: 1 channel
+  Image normal_variance;   ///< the same
+  Image seen;              ///< lamps and background, neither reflected nor refracted; A: variance of its luminance
+  Image variance;          ///< of the mean of the picture's other light, by channel
+  Image through_variance;  ///< of the mean of what Film::through lets through, by channel; empty where that is
 };
 
 /// The renderer's result: linear Rec.709 radiance before exposure and tone curve, alpha = coverage, and named layers.

@@ -76,7 +76,7 @@ Accumulator::Accumulator(const Settings& settings, bool has_through)
 }
 
 std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
-  const bool may_have_through = settings.background == Background::transparent && !settings.environment_in_glass;
+  const bool may_have_through = settings.background == Background::transparent;
   // Judging noise takes what is metered, with copies to sort, and the errors.
   constexpr std::size_t kJudging = sizeof(float) * (1 + 8 + 3 + 1);
   return sizeof(Pixel) + (settings.has_features ? sizeof(Features) : 0) + (settings.noise ? kJudging : 0) +
@@ -121,6 +121,7 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
     const dvec3 through(sample.through);
     t.sum += through;
     t.luminance2 += luminance(through) * luminance(through);
+    if (((p.count - 1) & kHalf) == 0) t.half += luminance(through);
   }
   return true;
 }
@@ -259,6 +260,24 @@ void Accumulator::resolve_features(DenoisingFeatures& features) const {
   raise_variance(has_few, features.variance);
   scale_variance(halves_seen, seen_variance);
   for (std::size_t i = 0; i < features_.size(); ++i) features.seen.pixels[4 * i + 3] = seen_variance.pixels[i];
+  resolve_through_variance(features);
+}
+
+/// As of the picture's light; one number for the three channels.
+void Accumulator::resolve_through_variance(DenoisingFeatures& features) const {
+  if (through_.empty()) return;
+  features.through_variance = Image(width_, height_, 3);
+  Image halves(width_, height_, 1);
+  for (std::size_t i = 0; i < through_.size(); ++i) {
+    const Through& t = through_[i];
+    const double n = std::max(pixels_[i].count, 1U), first = features_[i].count_half, second = n - first;
+    const double mean = luminance(t.sum) / n;
+    const double variance = n > 1.0 ? std::max(t.luminance2 / n - mean * mean, 0.0) / (n - 1.0) : mean * mean;
+    for (std::size_t c = 0; c < 3; ++c) features.through_variance.pixels[3 * i + c] = static_cast<float>(variance);
+    const double apart = second < 1.0 ? 0.0 : t.half / first - (mean * n - t.half) / second;
+    halves.pixels[i] = second < 1.0 ? -1.0f : static_cast<float>(3.0 * apart * apart * first * second / (n * n));
+  }
+  scale_variance(halves, features.through_variance);
 }
 
 void Accumulator::resolve_beauty(Film& film) const {

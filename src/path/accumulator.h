@@ -65,6 +65,7 @@ class Accumulator {
   /// Either half of sixteen Sobol' points is as even as eight points are.
   static constexpr std::uint32_t kHalf = 8;
   void resolve_features(DenoisingFeatures& features) const;
+  void resolve_through_variance(DenoisingFeatures& features) const;
 
   std::vector<float> half_luminance_;  ///< of those samples, for Settings::noise
   std::vector<Features> features_;     ///< empty unless asked for
@@ -73,6 +74,7 @@ class Accumulator {
   struct Through {
     dvec3 sum{0.0};
     double luminance2 = 0.0;
+    double half = 0.0;  ///< luminance of those samples whose number has not the bit kHalf
   };
   std::vector<Through> through_;  ///< empty unless samples have it
 };

@@ -12,6 +12,7 @@
 #include "path/displacement.h"
 #include "path/embree.h"
 #include "path/surface_point.h"
+#include "scene/ground.h"
 #include "scene/surface_params.h"
 #include "shade/surface.glsl.h"
 
@@ -99,7 +100,9 @@ void filter_shadow(const RTCFilterFunctionNArguments* arguments) {
 void filter_visible(const RTCFilterFunctionNArguments* arguments) {
   const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
   if (arguments->valid[0] == 0) return;
-  if (is_culled_back(*context.geometry, filtered_hit(context, arguments), context.direction)) arguments->valid[0] = 0;
+  const Hit hit = filtered_hit(context, arguments);
+  const bool is_hidden = context.seeds == nullptr && context.geometry->placement(hit.placement).is_ground;
+  if (is_hidden || is_culled_back(*context.geometry, hit, context.direction)) arguments->valid[0] = 0;
 }
 
 /// Of a query: what has been met is not met again.
@@ -187,8 +190,8 @@ std::vector<vec4> turned(const std::vector<vec4>& tangents, const Placement& to_
 std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& material, const Placement* to_world) {
   auto mesh = std::make_unique<MeshData>();
   const TextureReader& height = material.texture<&Material::height_texture>();
-  if (height) mesh->relief = displaced(flat, material.factors, height);
-  const Primitive& primitive = height ? mesh->relief : flat;
+  if (height) mesh->own = displaced(flat, material.factors, height);
+  const Primitive& primitive = height ? mesh->own : flat;
   mesh->material = &material;
   mesh->is_mirrored = to_world != nullptr && to_world->is_mirrored;
   mesh->triangles = primitive.triangles;
@@ -341,7 +344,7 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
   rtcSetSceneBuildQuality(impl_->scene.get(), RTC_BUILD_QUALITY_MEDIUM);
   rtcSetSceneFlags(impl_->scene.get(), kFilterByQuery);
 
-  materials_.reserve(scene.materials.size());
+  materials_.reserve(scene.materials.size() + 1);  // and the ground's: meshes point to them
   for (const Material& material : scene.materials) {
     materials_.emplace_back(scene, material, model);
     has_media_ = has_media_ || materials_.back().has_medium;
@@ -417,6 +420,7 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
   for (auto& [index, tree] : shared) impl_->shared.push_back(std::move(tree.scene));
 
   bodies_ = find_bodies(placements_);
+  if (scene.ground) add_ground(scene, model, next_geometry++);
   rtcCommitScene(impl_->scene.get());
   impl_->check("building the acceleration structure");
   impl_->is_empty = next_geometry == 0;
@@ -424,7 +428,26 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     RTCBounds b;
     rtcGetSceneBounds(impl_->scene.get(), &b);
     bounds_ = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+    if (scene.ground) bounds_ = world_bounds(scene);
   }
+}
+
+void Geometry::add_ground(const Scene& scene, const shade::ShadingModel& model, unsigned id) {
+  ground_ = scene.ground;
+  materials_.emplace_back(scene, ground_material(*scene.ground), model);
+  Primitive plane = ground_primitive(*scene.ground, world_bounds(scene));
+  meshes_.push_back(make_mesh(plane, materials_.back(), nullptr));
+  MeshData& mesh = *meshes_.back();
+  mesh.own = std::move(plane);
+  mesh.triangles = mesh.own.triangles;
+  Placement placement;
+  placement.mesh = &mesh;
+  placement.is_world = true;
+  placement.is_ground = true;
+  impl_->placement_of_geometry.push_back(static_cast<int>(placements_.size()));
+  placements_.push_back(placement);
+  triangle_count_ += mesh.triangles.size();
+  impl_->attach(impl_->scene.get(), make_triangles(impl_->device.get(), mesh), id);
 }
 
 Geometry::~Geometry() = default;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -73,7 +74,7 @@ struct MeshData {
   float opacity(const uvec3& t, vec3 b) const;
 
   // What the arrays above show where they are not the scene's.
-  Primitive relief;  ///< of a material with a height texture
+  Primitive own;  ///< of a material with a height texture, and of the ground
   std::vector<vec4> own_tangents;
   std::vector<vec4> own_colors;
 };
@@ -86,10 +87,11 @@ struct Placement {
   bool is_world = false;         ///< the mesh already is in world space
   bool is_mirrored = false;      ///< negative determinant: the winding is reversed
   int node = -1;
-  int body = 0;          ///< the body that its faces bound, see find_bodies; 0 = none
-  int number = -1;       ///< of the node, as people know it
-  vec3 color{1.0f};      ///< multiplies the base colour; the node's opacity is in its mesh
-  int first_light = -1;  ///< index of triangle 0 among the emissive triangles
+  int body = 0;            ///< the body that its faces bound, see find_bodies; 0 = none
+  int number = -1;         ///< of the node, as people know it
+  vec3 color{1.0f};        ///< multiplies the base colour; the node's opacity is in its mesh
+  int first_light = -1;    ///< index of triangle 0 among the emissive triangles
+  bool is_ground = false;  ///< of Scene::ground
 };
 
 struct Hit {
@@ -138,7 +140,7 @@ class Geometry {
 
   /// The closest hit that the eye sees: the backs that it looks through are not there, see is_culled_back.
   Hit intersect_visible(const Ray& ray, std::uint32_t seed) const;
-  /// The first surface of the layers: as the eye sees it, and of opacity at least ½. No chance is in it.
+  /// The first surface of the layers: as the eye sees it, and of opacity at least ½. No chance is in it, and no ground.
   Hit first_surface(const Ray& ray) const;
   /// The closest hit on another surface than any of `passed`, which the same ray has met. See is_one_surface.
   Hit intersect_beyond(const Ray& ray, std::uint32_t seed, std::span<const Hit> passed) const;
@@ -160,6 +162,8 @@ class Geometry {
   const Box3& bounds() const { return bounds_; }
   /// Whether light can enter bodies.
   bool has_media() const { return has_media_; }
+  /// That of the scene, or null.
+  const Ground* ground() const { return ground_ ? &*ground_ : nullptr; }
   /// Whether some surface is there by chance.
   bool has_blends() const { return has_blends_; }
   /// By Placement::body; the first stands for none.
@@ -170,6 +174,7 @@ class Geometry {
  private:
   struct Impl;
   struct Query;
+  void add_ground(const Scene& scene, const shade::ShadingModel& model, unsigned id);
   Hit intersect(const Ray& ray, Query& query) const;
 
   std::unique_ptr<Impl> impl_;
@@ -178,6 +183,7 @@ class Geometry {
   std::vector<Placement> placements_;
   Box3 bounds_;
   std::vector<Body> bodies_;
+  std::optional<Ground> ground_;
   bool has_media_ = false;
   bool has_blends_ = false;
   std::uint64_t triangle_count_ = 0;

@@ -76,12 +76,18 @@ LightReceiver receiver_at(const SurfacePoint& point) {
           shade::surface_scatters_through(point.surface) ? shade::kReceiverBoth : shade::kReceiverFront};
 }
 
+/// Of light that a scene with a ground begins with: on the ground that the eye sees, only what the scene takes away and
+/// adds is looked for.
+float expected_share(const LightSample& light, bool is_seen_ground) {
+  return is_seen_ground && (light.is_environment() || light.is_delta) ? 1.0f : 0.0f;
+}
+
 /// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance. Where the
 /// background is seen, the environment shines on the near side of glass only.
 template <bool kHasMedia>
 vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& crossing, const SurfacePoint& point,
-                  const Meeting& meeting, const LightChances& chances, bool sees_background, float u_choice, vec2 u,
-                  RayCounts& counts) {
+                  const Meeting& meeting, const LightChances& chances, bool sees_background, bool is_seen_ground,
+                  float u_choice, vec2 u, RayCounts& counts) {
   const LightSample light = context.lights.sample(chances, u_choice, u);
   if (light.pdf <= 0.0f) return vec3(0.0f);
   const bool is_outside = point.is_outside(light.direction);
@@ -98,7 +104,6 @@ vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& 
   if (!meeting.place.is_simple(!is_outside)) {
     transmittance = meeting.place.transmittance(context.geometry, meeting.ray, meeting.hit, !is_outside,
                                                 light.direction, shadow.origin);
-    if (max_component(transmittance) <= 0.0f) return vec3(0.0f);
   }
   shadow.direction = light.direction;
   if (light.distance < kInfinity) {
@@ -108,9 +113,12 @@ vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& 
     shadow.direction = to_light / distance;
     shadow.t_max = distance * (1.0f - 1e-6f);
   }
-  ++counts.shadow;
-  transmittance *= context.geometry.transmittance(shadow);
+  if (max_component(transmittance) > 0.0f) {
+    ++counts.shadow;
+    transmittance *= context.geometry.transmittance(shadow);
+  }
   if constexpr (kHasMedia) transmittance *= walk.transmittance(crossing, !is_outside, light.distance);
+  transmittance -= expected_share(light, is_seen_ground);
   const float weight = light.is_delta ? 1.0f : mis_weight(light.pdf, f.pdf, light.mis_power);
   return f.value * context.lights.radiance(light) * transmittance * (weight / light.pdf);
 }
@@ -170,6 +178,59 @@ Ray next_ray(const Ray& last, vec3 origin, vec3 direction, bool is_eye) {
   return ray;
 }
 
+/// The ground as the eye sees it, see Ground.
+struct SeenGround {
+  bool is_looked_for;  ///< the path was never reflected or scattered
+  bool is_met = false;
+  bool is_left = false;  ///< the direction was just drawn there
+  vec3 scale{0.0f};      ///< one over the radiance that the ground has without the scene
+  vec3 behind{0.0f};     ///< what the background is there, where it is not transparent
+
+  explicit SeenGround(const PathContext& context) : is_looked_for(context.sees_shadows) {}
+
+  bool is_here(const PathContext& context, const Hit& hit) const {
+    return is_looked_for && context.geometry.placement(hit.placement).is_ground;
+  }
+  /// `is_bare`: nothing is in front.
+  void meet(const PathContext& context, const SurfacePoint& point, vec3 direction, vec3 throughput, bool is_bare,
+            PathSample& sample) {
+    is_looked_for = false;
+    is_met = true;
+    if (is_bare) sample.alpha = 0.0f;
+    sample.through = throughput;
+    const vec3 lit = point.material->params.base_color / kPi * context.lights.unhindered_irradiance(point.position);
+    for (int c = 0; c < 3; ++c) scale[c] = lit[c] > 0.0f ? 1.0f / lit[c] : 0.0f;
+    if (context.background == Background::environment) behind = context.lights.environment().background(direction);
+  }
+  void finish(const PathContext& context, PathSample& sample) const {
+    if (!is_met || context.background == Background::transparent) return;
+    sample.radiance += sample.through * behind;
+    sample.alpha = 1.0f;
+    sample.through = vec3(0.0f);
+  }
+};
+
+/// Follows the mirror image in a polished ground, where there is one, or else what shows there; `throughput` becomes
+/// that of the way. True with the ray and hit of the mirror image.
+bool mirror_in_ground(const PathContext& context, const SurfacePoint& point, SobolSampler& sampler, vec3& throughput,
+                      Ray& ray, Hit& hit, RayCounts& counts) {
+  const float mirror = context.geometry.ground()->mirror;
+  if (mirror <= 0.0f) return false;
+  const vec3 direction = ray.direction * vec3(1, -1, 1);
+  const Ray mirrored{point.ray_origin(direction), direction};
+  ++counts.bounce;
+  const Hit met = context.geometry.intersect(mirrored, sampler.next_hash());
+  if (!met) return false;
+  // A weak image is bright enough to be worth half of the samples.
+  const float chance = std::max(mirror, 0.5f);
+  const bool is_followed = unit_float(sampler.next_hash()) < chance;
+  throughput *= is_followed ? mirror / chance : (1.0f - mirror) / (1.0f - chance);
+  if (!is_followed) return false;
+  ray = mirrored;
+  hit = met;
+  return true;
+}
+
 /// Of what layers call the first surface.
 void find_first_surface(const PathContext& context, const Ray& ray, PathSample& sample) {
   const Hit hit = context.geometry.first_surface(ray);
@@ -195,13 +256,23 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
   bool is_first = true;
   bool is_eye = true;                                  // the direction is the camera's still
   bool sees_background = context.background_in_glass;  // the path was never reflected or scattered
+  SeenGround ground(context);
   bool wants_features = context.has_features;
   int passed = 0;
   int turns = 0;  // since and with the first rough surface
   const auto add = [&](vec3 light) {
+    if (ground.is_met) {
+      sample.through += light * ground.scale;
+      return;
+    }
     sample.radiance += light;
     if (turns > 1) sample.indirect += light;
     if (is_eye && passed == 0) sample.seen += light;
+  };
+  const auto escaped = [&](vec3 direction) {
+    return bsdf_pdf > 0.0f && context.lights.can_sample()
+               ? context.lights.escaped_radiance(direction, sky, bsdf_pdf, chances)
+               : context.lights.escaped_radiance(direction, sky);
   };
   if constexpr (kHasMedia) {
     bool scattered = false;
@@ -209,6 +280,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     is_eye = !scattered;
     turns = scattered ? 1 : 0;
     sees_background = sees_background && !scattered;
+    ground.is_looked_for = ground.is_looked_for && !scattered;
     sky = context.lights.environment().locate(ray.direction);
   }
   for (int depth = 0;; ++depth) {
@@ -222,9 +294,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       break;
     }
     if (!hit) {
-      add(walk.throughput * (bsdf_pdf > 0.0f && context.lights.can_sample()
-                                 ? context.lights.escaped_radiance(ray.direction, sky, bsdf_pdf, chances)
-                                 : context.lights.escaped_radiance(ray.direction, sky)));
+      add(walk.throughput * escaped(ray.direction));
       break;
     }
 
@@ -245,6 +315,24 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
 
     // ----- x_depth: emitted light
     const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, crossing.eta);
+    const bool is_seen_ground = ground.is_here(context, hit);
+    if (is_seen_ground) {
+      if (is_first) set_nothing(sample);
+      is_first = false;
+      if (place.is_simple(false) && mirror_in_ground(context, point, sampler, walk.throughput, ray, hit, counts)) {
+        if (depth == context.bounces) break;
+        is_eye = sees_background = ground.is_looked_for = false;
+        bsdf_pdf = 0.0f;
+        sky = context.lights.environment().locate(ray.direction);
+        continue;
+      }
+      ground.meet(context, point, ray.direction, walk.throughput, is_eye && passed == 0, sample);
+      if (wants_features) {
+        sample.feature_albedo = glm::clamp(walk.throughput * ground.behind, 0.0f, 1.0f);
+        sample.feature_normal = point.frame.n;
+      }
+      sees_background = wants_features = false;
+    }
     if (is_first) record_first_surface(point, sample);
     is_first = false;
     if (wants_features && !crossing.is_hidden) wants_features = !record_features(point, walk.throughput, sample);
@@ -274,8 +362,12 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
         for (int i = 0; i < target.samples; ++i) {
           const vec3 light =
               walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, target,
-                                                        sees_background, target.choice(i, choices.x),
+                                                        sees_background, is_seen_ground, target.choice(i, choices.x),
                                                         target.place(i, u_light), counts);
+          if (ground.is_met) {
+            sample.through += light * ground.scale;
+            continue;
+          }
           sample.radiance += light;
           if (turns > 0) sample.indirect += light;
         }
@@ -292,6 +384,8 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
         }
         sees_background = sees_background && is_through && (next.is_delta || is_glass(point.surface));
         bsdf_pdf = next.is_delta ? 0.0f : next.pdf;
+        ground.is_looked_for = ground.is_looked_for && is_through && (next.is_delta || is_glass(point.surface));
+        ground.is_left = is_seen_ground;
         drawn_at = point.ray_origin(direction);
         if (turns > 0 || !next.is_delta) ++turns;
 
@@ -313,19 +407,28 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     }
 
     // ----- on to what else is at this place, or along a ray
-    if (!place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye)) continue;
-    ray = next_ray(ray, point.ray_origin(direction), direction, is_eye);
-    ++counts.bounce;
     sky = context.lights.environment().locate(direction);
-    hit = context.geometry.intersect(ray, sampler.next_hash());
-    if (is_eye) hit = first_visible_hit(context, ray, hit, counts);
+    const bool is_here = !place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye);
+    if (!is_here) {
+      ray = next_ray(ray, point.ray_origin(direction), direction, is_eye);
+      ++counts.bounce;
+      hit = context.geometry.intersect(ray, sampler.next_hash());
+      if (is_eye) hit = first_visible_hit(context, ray, hit, counts);
+    }
+    if (ground.is_left) {
+      // Light from there is counted already, unless the scene is in its way.
+      if (!hit) break;
+      add(-walk.throughput * escaped(direction));
+      ground.is_left = false;
+    }
+    if (is_here) continue;
     if constexpr (kHasMedia) {
       bool scattered = false;
       if (!walk.travel(context, ray, hit, sampler, counts, scattered)) break;
       if (scattered) {
         ++turns;
         is_eye = false;
-        sees_background = false;
+        sees_background = ground.is_looked_for = false;
         bsdf_pdf = 0.0f;
         sky = context.lights.environment().locate(ray.direction);
       }
@@ -333,6 +436,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
   }
   // What mirrors and glass let through, where nothing stands behind.
   if (wants_features) sample.feature_albedo = glm::clamp(walk.throughput, 0.0f, 1.0f);
+  ground.finish(context, sample);
   return sample;
 }
 
@@ -373,7 +477,10 @@ PathSample trace_path_surfaces(const PathContext& context, Ray ray, Hit hit, Sob
   return sample;
 }
 
-PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
+namespace {
+
+PathSample trace_minimal(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts,
+                         SeenGround& ground) {
   PathSample sample;
   if (context.has_first_surface) find_first_surface(context, ray, sample);
   hit = first_visible_hit(context, ray, hit, counts);
@@ -383,11 +490,15 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
   Place place;
   bool is_eye = true;
   bool sees_background = context.background_in_glass;
+  const auto add = [&](vec3 light) {
+    (ground.is_met ? sample.through : sample.radiance) += ground.is_met ? light * ground.scale : light;
+  };
   int passed = 0;
   bool scattered = false;
   if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
   is_eye = !scattered;
   sees_background = sees_background && !scattered;
+  ground.is_looked_for = ground.is_looked_for && !scattered;
   for (int depth = 0; hit; ++depth) {
     Crossing crossing;
     if (context.geometry.placement(hit.placement).body != 0 && is_back_hit(context.geometry, hit, ray.direction)) {
@@ -395,12 +506,24 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
     }
     if (context.has_media) crossing = walk.find_crossing(context, hit, ray.direction, unit_float(sampler.next_hash()));
     const SurfacePoint point = make_surface_point(context.geometry, hit, ray.direction, crossing.eta);
-    if (depth == 0 && passed == 0 && !context.has_first_surface) record_first_surface(point, sample);
+    const bool is_seen_ground = ground.is_here(context, hit);
+    if (is_seen_ground) {
+      if (place.is_simple(false) && mirror_in_ground(context, point, sampler, walk.throughput, ray, hit, counts)) {
+        if (depth == context.bounces) return sample;
+        is_eye = sees_background = ground.is_looked_for = false;
+        continue;
+      }
+      ground.meet(context, point, ray.direction, walk.throughput, is_eye && passed == 0, sample);
+      sees_background = false;
+      if (depth == 0 && !context.has_first_surface) set_nothing(sample);
+    } else if (depth == 0 && passed == 0 && !context.has_first_surface) {
+      record_first_surface(point, sample);
+    }
     vec3 direction = ray.direction;
     bool is_straight = crossing.is_hidden;
     bool is_through = true;
     if (!crossing.is_hidden) {
-      sample.radiance += walk.throughput * point.emission;
+      add(walk.throughput * point.emission);
       if (point.is_unlit || depth == context.bounces) return sample;
 
       const vec3 u = sampler.next_3d();
@@ -411,7 +534,10 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
         is_eye = false;
       }
       is_through = next.wi.z < 0.0f;
-      sees_background = sees_background && is_through && (next.is_delta || is_glass(point.surface));
+      const bool is_seen_through = is_through && (next.is_delta || is_glass(point.surface));
+      sees_background = sees_background && is_seen_through;
+      ground.is_looked_for = ground.is_looked_for && is_seen_through;
+      ground.is_left = is_seen_ground;
       if (point.is_outside(direction) == is_through) return sample;
       walk.throughput *= next.weight;
       if (max_component(walk.throughput) <= 0.0f) return sample;
@@ -424,19 +550,37 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
       --depth;
     }
 
-    if (!place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye)) continue;
-    ray = next_ray(ray, point.ray_origin(direction), direction, is_eye);
-    ++counts.bounce;
-    hit = context.geometry.intersect(ray, sampler.next_hash());
-    if (is_eye) hit = first_visible_hit(context, ray, hit, counts);
+    const bool is_here = !place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye);
+    if (!is_here) {
+      ray = next_ray(ray, point.ray_origin(direction), direction, is_eye);
+      ++counts.bounce;
+      hit = context.geometry.intersect(ray, sampler.next_hash());
+      if (is_eye) hit = first_visible_hit(context, ray, hit, counts);
+    }
+    if (ground.is_left) {
+      // Light from there is counted already, unless the scene is in its way.
+      if (!hit) return sample;
+      add(-walk.throughput * context.lights.escaped_radiance(direction));
+      ground.is_left = false;
+    }
+    if (is_here) continue;
     if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
-    if (scattered) is_eye = sees_background = false;
+    if (scattered) is_eye = sees_background = ground.is_looked_for = false;
   }
   if (sees_background) {
     sample.through = walk.throughput;
     return sample;
   }
-  sample.radiance += walk.throughput * context.lights.escaped_radiance(ray.direction);
+  add(walk.throughput * context.lights.escaped_radiance(ray.direction));
+  return sample;
+}
+
+}  // namespace
+
+PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
+  SeenGround ground(context);
+  PathSample sample = trace_minimal(context, ray, hit, sampler, counts, ground);
+  ground.finish(context, sample);
   return sample;
 }
 

@@ -21,6 +21,7 @@ struct PathContext {
   bool has_media = true;           ///< whether any material bounds a body; false leaves out what only bodies need
   MediumStack start{};             ///< the bodies that the eye is in
   bool eye_is_wide = false;        ///< camera rays start at many places, some perhaps in bodies: `start` is none's
+  bool sees_shadows = false;       ///< of the scene's ground the eye sees what Ground says; else it is a surface
   bool has_first_surface = false;  ///< PathSample::first is asked for
   bool has_features = false;       ///< and what a denoiser asks for
 };
@@ -34,8 +35,8 @@ struct RayCounts {
 /// One sample of a pixel.
 struct PathSample {
   vec3 radiance{0.0f};
-  float alpha = 1.0f;         ///< 0 where the camera ray left the scene and the background is transparent
-  vec3 through{0.0f};         ///< what that background is multiplied by: 1 there, less where it is seen through glass
+  float alpha = 1.0f;  ///< 0 where the camera ray left the scene and the background is transparent
+  vec3 through{0.0f};  ///< what that background is multiplied by: 1 there, less through glass and in shadows on ground
   vec3 feature_albedo{1.0f};  ///< of the first surface that is neither mirror nor clear glass, times what these leave
   vec3 feature_normal{0.0f};  ///< of the same; 0 where the path ends before
   vec3 indirect{0.0f};        ///< of the radiance: what was turned again after its first rough surface

@@ -7,18 +7,11 @@
 #include "base/parallel.h"
 #include "math/sobol.h"
 #include "path/surface_point.h"
+#include "scene/environment.h"
 
 namespace candela::path {
 
 namespace {
-
-static_assert(static_cast<int>(Falloff::inverse_square) == shade::kFalloffInverseSquare &&
-              static_cast<int>(Falloff::gltf) == shade::kFalloffGltf &&
-              static_cast<int>(Falloff::ue4) == shade::kFalloffUe4 &&
-              static_cast<int>(Falloff::polynomial) == shade::kFalloffPolynomial);
-static_assert(static_cast<int>(LightType::point) == shade::kPointLight &&
-              static_cast<int>(LightType::spot) == shade::kSpotLight &&
-              static_cast<int>(LightType::directional) == shade::kDirectionalLight);
 
 /// Keeps sums of absurdly bright lamps finite.
 constexpr float kMostPower = 1e30f;
@@ -75,31 +68,16 @@ Lights::Lights(const Scene& scene, const Environment& environment, Geometry& geo
   add_punctual(scene);
   add_triangles(geometry);
   make_sources();
+  if (geometry.ground() != nullptr) from_above_ = irradiance_from_above(environment);
 }
 
 Lights::PunctualLight Lights::place(const Scene& scene, const Node& node) {
   const Light& light = scene.lights[static_cast<std::size_t>(node.light)];
-  PunctualLight p;
-  p.position = vec3(node.world_from_node[3]);
-  p.intensity = light.color * light.intensity;
-  const vec3 axis = transform_vector(node.world_from_node, {0, 0, -1});
-  const float length = glm::length(axis);
-  p.lamp.kind = static_cast<int>(light.type);
-  p.lamp.direction = length > 0.0f ? axis / length : vec3(0, 0, -1);
-  p.lamp.range = light.range;
-  p.lamp.falloff = static_cast<int>(light.falloff);
-  p.lamp.polynomial = light.polynomial;
-  p.lamp.cos_inner = std::cos(light.inner_cone);
-  p.lamp.cos_outer = std::cos(light.outer_cone);
-  const float intensity = luminance(light.color) * light.intensity;
-  float power = intensity;
+  PunctualLight p{placed_lamp(scene, node)};
+  float power = luminance(light.color) * light.intensity;
   if (light.type == LightType::spot) {
     power *= shade::light_spot_solid_angle(p.lamp.cos_inner, p.lamp.cos_outer);
-  } else if (light.ies >= 0) {
-    p.ies = &scene.ies_profiles[static_cast<std::size_t>(light.ies)];
-    const vec3 along = glm::normalize(transform_vector(node.world_from_node, {1, 0, 0}));
-    p.lamp.across = frame_from_tangent(-p.lamp.direction, along).t;
-    p.lamp.handedness = glm::determinant(mat3(node.world_from_node)) < 0.0f ? -1.0f : 1.0f;
+  } else if (p.ies != nullptr) {
     power *= static_cast<float>(ies_flux(*p.ies));
   } else if (light.type == LightType::point) {
     power *= 4.0f * kPi;
@@ -329,6 +307,16 @@ float Lights::irradiance(const PunctualLight& p, const LightReceiver& receiver) 
   return intensity * facing;
 }
 
+vec3 Lights::unhindered_irradiance(vec3 position) const {
+  constexpr vec3 kUp(0, 1, 0);
+  vec3 sum = from_above_;
+  for (const PunctualLight& light : punctual_) {
+    const ArrivingLight arriving = arriving_light(light, position);
+    sum += arriving.irradiance * std::max(glm::dot(kUp, arriving.direction), 0.0f);
+  }
+  return sum;
+}
+
 /// Estimate that steers the choice alone. It is 0 only where the source really gives nothing.
 float Lights::irradiance(const Source& source, const LightReceiver& receiver) const {
   switch (source.kind) {
@@ -456,21 +444,15 @@ LightSample Lights::sample_sun(const EnvironmentLight::Sun& sun, vec2 u) const {
 }
 
 LightSample Lights::sample_punctual(const PunctualLight& p, vec3 position) const {
+  const ArrivingLight light = arriving_light(p, position);
+  if (!(light.distance > 0.0f)) return {};
   LightSample s;
   s.is_delta = true;
   s.pdf = 1.0f;
-  s.radiance = p.intensity;
-  if (p.lamp.kind == shade::kDirectionalLight) {
-    s.direction = -p.lamp.direction;
-    return s;
-  }
-  const vec3 to_light = p.position - position;
-  s.distance = glm::length(to_light);
-  if (!(s.distance > 0.0f)) return {};
-  s.direction = to_light / s.distance;
+  s.direction = light.direction;
+  s.distance = light.distance;
   s.target = p.position;
-  s.radiance *= shade::light_left(p.lamp, s.direction, s.distance);
-  if (p.ies != nullptr) s.radiance *= ies_intensity(*p.ies, shade::light_local(p.lamp, s.direction));
+  s.radiance = light.irradiance;
   return s;
 }
 

@@ -5,6 +5,7 @@
 #include "path/environment_light.h"
 #include "path/geometry.h"
 #include "path/light_tree.h"
+#include "scene/lamp.h"
 #include "shade/lights.glsl.h"
 
 namespace candela::path {
@@ -68,6 +69,9 @@ class Lights {
   void prefetch(vec2 u) const {
     if (environment_.can_sample()) environment_.prefetch_sample(u);
   }
+  /// Irradiance of an upward surface there that the scene does not keep light from: what is far away, and punctual
+  /// lamps. Only with a ground.
+  vec3 unhindered_irradiance(vec3 position) const;
   /// Radiance of a sample. The map's is read here, after the shadow ray, and has had that long to arrive.
   vec3 radiance(const LightSample& sample) const {
     return sample.is_map ? environment_.read(sample.footprint).radiance : sample.radiance;
@@ -96,11 +100,7 @@ class Lights {
     float area = 0.0f;
     std::uint32_t source = 0;  ///< in the tree: its rank
   };
-  struct PunctualLight {
-    vec3 position{0.0f};
-    vec3 intensity{0.0f};  ///< candela; of a directional light lux
-    shade::PunctualLamp lamp{};
-    const IesProfile* ies = nullptr;
+  struct PunctualLight : PlacedLamp {
     float power = 0.0f;  ///< lumens; of a directional light lux
   };
   enum class SourceKind { map, sun, punctual, directional, many };
@@ -139,6 +139,7 @@ class Lights {
 
   const Geometry& geometry_;
   EnvironmentLight environment_;
+  vec3 from_above_{0.0f};  ///< irradiance by the environment of a ground
   std::vector<PunctualLight> punctual_;
   std::vector<TriangleLight> triangles_;
   std::vector<float> triangle_powers_;

@@ -48,6 +48,11 @@ bool shows_background_in_glass(const Scene& scene, const Settings& settings) {
                      [](const Material& m) { return m.transmission > 0.0f && !m.unlit; });
 }
 
+/// On a transparent background.
+bool shows_shadows(const Scene& scene, const Settings& settings) {
+  return settings.background == Background::transparent && scene.ground;
+}
+
 void check_settings(const Settings& s) {
   constexpr int kMaxSize = 65536;
   if (s.width < 1 || s.height < 1 || s.width > kMaxSize || s.height > kMaxSize)
@@ -151,12 +156,14 @@ class Picture::Impl {
         camera_(view, settings.width, settings.height),
         pinhole_(without_lens(view), settings.width, settings.height),
         filter_(settings.filter, settings.filter_radius),
-        accumulator_(settings, context_.background_in_glass),
+        accumulator_(settings, context_.background_in_glass || shows_shadows(*parts_->scene, settings)),
         converged_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height), 0),
         tiles_x_((settings.width + kTile - 1) / kTile),
         tiles_y_((settings.height + kTile - 1) / kTile) {
     if (settings.integrator == Integrator::surfaces && geometry_.has_media())
       throw Error("the integrator of surfaces alone cannot enter the scene's bodies; minimal can", parts_->scene->name);
+    if (settings.integrator == Integrator::surfaces && geometry_.ground() != nullptr)
+      throw Error("the integrator of surfaces alone knows no ground; minimal does", parts_->scene->name);
     find_start();
   }
 
@@ -223,6 +230,7 @@ void Picture::Impl::find_start() {
     context_.eye_is_wide = may_be_inside(geometry_, eye);
   }
   context_.has_features = settings_.has_features;
+  context_.sees_shadows = geometry_.ground() != nullptr && settings_.sees_lamps;
   // Elsewhere the first surface of the layers is that of the path.
   const bool is_by_chance = geometry_.has_blends() || !context_.start.empty() || context_.eye_is_wide;
   context_.has_first_surface = is_by_chance && count_mean_layers(settings_.layers) > 0;

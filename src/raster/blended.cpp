@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "raster/renderer.h"
+#include "raster/targets.h"
 
 namespace candela::raster {
 
@@ -11,13 +12,6 @@ namespace {
 
 constexpr int kGlassLayer = 0, kBodyLayer = 1, kFirstSlice = 2;  // of depth_layers_
 constexpr int kMostSlices = 8;
-
-void nearest_texels(GLenum target) {
-  glTexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glTexParameteri(target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-}
 
 void make_depth_texture(const gl::Texture& texture, GLsizei width, GLsizei height) {
   glBindTexture(GL_TEXTURE_2D, texture);

@@ -7,9 +7,13 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "gl/gl.h"
 #include "math/hash.h"
+#include "raster/ground.h"
 #include "raster/renderer.h"
+#include "raster/targets.h"
+#include "scene/environment.h"
 #include "shade/lens.glsl.h"
 #include "shade/surface_params.glsl.h"
 
@@ -113,6 +117,26 @@ void add_open(Image glass, Film& film) {
   set_through(std::move(glass), film);
 }
 
+/// Puts what the eye sees of an environment behind a film.
+void show_background(const FrameCamera& camera, const Environment& environment, Film& film) {
+  Environment seen = environment;
+  if (seen.backdrop) {
+    seen.map = std::exchange(seen.backdrop, nullptr);
+    seen.suns.clear();
+  }
+  const Image through = std::exchange(film.through, Image());
+  const GroundSight sight(camera, {film.width(), film.height()}, 0.0f);
+  parallel_for(0, static_cast<std::size_t>(film.height()), 8, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < film.width(); ++x) {
+        const vec3 behind = environment_radiance(seen, sight.ray(x, y).direction) * through.rgb(x, y);
+        film.beauty.set_rgb(x, y, film.beauty.rgb(x, y) + behind);
+        film.beauty.at(x, y)[3] = 1.0f;
+      }
+    }
+  });
+}
+
 void check(const Settings& s) {
   constexpr int kMostSize = 65536;
   if (s.width < 1 || s.height < 1 || s.width > kMostSize || s.height > kMostSize) {
@@ -198,6 +222,7 @@ class Drawer::Impl {
        std::shared_ptr<Device> device)
       : scene_(std::move(scene)), environment_(environment), shading_(shading), device_(std::move(device)) {
     validate(*scene_);
+    lit_by_ = scene_->ground ? environment_over_ground(environment, *scene_->ground) : environment;
     if (device_ == nullptr) device_ = std::make_shared<Device>();
   }
   ~Impl() {
@@ -222,11 +247,12 @@ class Drawer::Impl {
       use_device();
       renderer_->set_scene(*scene);
       if (renderer_->lacks_sheen_light()) {
-        device().bake(environment_, true, settings_.cache);
+        device().bake(lit_by_, true, settings_.cache);
         give_light();
       }
     }
     scene_ = std::move(scene);
+    ground_share_.reset();
   }
 
   Film render(View view, const MomentOf& moment, const Settings& settings, const Job& job, Statistics& s);
@@ -261,12 +287,19 @@ class Drawer::Impl {
     renderer_->set_light(settings_.ambient == Ambient::baked ? light : simplified(light, settings_.ambient));
   }
   bool is_prepared(const Settings& settings);
+  /// Of a picture with all light: else the scene has no ground.
+  bool shows_ground() const { return scene_->ground && is_whole(settings_.quantity); }
+  void draw_mirrored(const View& view, vec2 jitter, vec2 lens, int frame, LightPoint point);
+  void show_ground(const FrameCamera& camera, Image& picture, Image& through) const;
   void prepare(const View& view, const Settings& settings, Statistics& s);
   Film draw_frames(View view, const MomentOf& moment, const Job& job, Statistics& s);
   void tell_warnings(const Job& job);
 
   std::shared_ptr<const Scene> scene_;
   Environment environment_;
+  Environment lit_by_;  ///< the same, with the ground below the horizon
+  std::optional<GroundShare> ground_share_;
+  Image mirrored_;  ///< what the ground mirrors in the frame at hand
   shade::ShadingModel shading_;
   std::shared_ptr<Device> device_;
   std::vector<Probe> probes_;
@@ -299,14 +332,18 @@ void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistic
   // The light is baked while this thread, the driver's, uploads and compiles.
   std::future<void> baked = std::async(std::launch::async, [&] {
     const Stopwatch baking;
-    device().bake(environment_, uses_sheen(*scene_), settings.cache);
+    device().bake(lit_by_, uses_sheen(*scene_), settings.cache);
     s.light_s = baking.seconds();
   });
   settings_ = settings;
   Settings used = settings;
   if (is_of_surface(used.quantity)) used.msaa = 1;  // numbers of two surfaces have no mean
+  if (shows_ground()) {
+    used.background = Background::transparent;
+    used.environment_in_glass |= settings.background == Background::environment;
+  }
   renderer_.reset();
-  auto renderer = std::make_unique<Renderer>(*scene_, environment_, shading_, used, warnings_);
+  auto renderer = std::make_unique<Renderer>(*scene_, lit_by_, shading_, used, warnings_);
   glFinish();
   s.upload_s = watch.lap();
   renderer->begin(view);
@@ -318,6 +355,45 @@ void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistic
   renderer_ = std::move(renderer);
   give_light();
   renderer_->set_probes(probes_);
+}
+
+/// The frame that the ground mirrors, into mirrored_.
+void Drawer::Impl::draw_mirrored(const View& view, vec2 jitter, vec2 lens, int frame, LightPoint point) {
+  const View mirrored = mirrored_view(view, scene_->ground->height);
+  renderer_->begin(mirrored, point);
+  renderer_->draw(mirrored, jitter * vec2(1, -1), lens * vec2(1, -1), frame);
+  mirrored_ = renderer_->read();
+  renderer_->begin(view, point);
+}
+
+/// Behind a frame, the ground: what it mirrors goes into the picture, and its shadows into what shows through.
+void Drawer::Impl::show_ground(const FrameCamera& camera, Image& picture, Image& through) const {
+  const Ground& ground = *scene_->ground;
+  const GroundSight sight(camera, {picture.width, picture.height}, ground.height);
+  if (through.empty()) through = Image(picture.width, picture.height, 4);
+  parallel_for(0, static_cast<std::size_t>(picture.height), 8, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < picture.width; ++x) {
+        const std::optional<vec2> at = sight.at(x, y);
+        if (!at) continue;
+        const auto pixel = picture.at(x, y);
+        const auto behind = through.at(x, y);
+        const float open = 1.0f - pixel[3];
+        vec3 share = ground_share_->at(*at);
+        if (ground.mirror > 0.0f) {
+          const auto image = mirrored_.at(x, picture.height - 1 - y);
+          for (std::size_t c = 0; c < 4; ++c) pixel[c] += open * ground.mirror * image[c];
+          share *= 1.0f - ground.mirror * image[3];
+        }
+        // add_open() adds what the picture then leaves of 1.
+        const float left = 1.0f - pixel[3];
+        for (int c = 0; c < 3; ++c) {
+          const auto i = static_cast<std::size_t>(c);
+          behind[i] = behind[i] * share[c] + open * share[c] - left;
+        }
+      }
+    }
+  });
 }
 
 /// The mean of a picture's frames, or of those that are drawn when it has to end.
@@ -341,11 +417,21 @@ Film Drawer::Impl::draw_frames(View view, const MomentOf& moment, const Job& job
     const vec2 lens = is_still ? sample_aperture(view.lens, {u.z, u.w}) : vec2(0.0f);
     if (moment || (is_still && renderer_->has_extended_lights())) renderer_->begin(view, light_point(frame, frames));
     const Stopwatch drawing;
+    if (shows_ground() && scene_->ground->mirror > 0.0f) {
+      draw_mirrored(view, jitter, lens, frame + 1, is_still ? light_point(frame, frames) : LightPoint(0.5f));
+    }
     renderer_->draw(view, jitter, lens, frame + 1);
     glFinish();
     s.draw_s += drawing.seconds();
-    const Image picture = renderer_->read();
-    const Image behind = renderer_->read_through();
+    Image picture = renderer_->read();
+    Image behind = renderer_->read_through();
+    if (shows_ground()) {
+      if (!ground_share_) {
+        ground_share_ =
+            draw_ground_share(*scene_, environment_, settings_.light_radius, renderer_->scene(), renderer_->programs());
+      }
+      show_ground(frame_camera(view, settings_.width, settings_.height, {}, jitter, lens), picture, behind);
+    }
     if (through.empty()) through = Image(behind.width, behind.height, behind.channels);
     for (std::size_t i = 0; i < behind.pixels.size(); ++i) {
       if (std::isfinite(behind.pixels[i])) through.pixels[i] += share * behind.pixels[i];
@@ -368,6 +454,9 @@ Film Drawer::Impl::draw_frames(View view, const MomentOf& moment, const Job& job
     }
   }
   if (!through.empty()) add_open(std::move(through), film);
+  if (shows_ground() && settings_.background == Background::environment) {
+    show_background(frame_camera(view, settings_.width, settings_.height, {}), environment_, film);
+  }
   apply_vignetting(view, film.beauty);
   scale_numbers(settings_.quantity, renderer_->scene().bounds(), film.beauty);
   if (settings_.quantity == Quantity::luminance) show_false_colors(film.beauty);

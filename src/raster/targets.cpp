@@ -9,8 +9,6 @@
 
 namespace candela::raster {
 
-namespace {
-
 Image read_pixels(int width, int height) {
   Image image(width, height, 4);
   std::vector<float> row(static_cast<std::size_t>(width) * 4);
@@ -25,8 +23,6 @@ Image read_pixels(int width, int height) {
   }
   return image;
 }
-
-}  // namespace
 
 void Renderer::make_targets() {
   const int w = settings_.width, h = settings_.height;

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "gl/gl.h"
+#include "image/image.h"
 #include "raster/quantity.h"
 
 /// What making pictures to draw into and drawing into them have in common.
@@ -19,6 +20,15 @@ inline void wrap(GLenum target, GLint s, GLint t) {
   glTexParameteri(target, GL_TEXTURE_WRAP_S, s);
   glTexParameteri(target, GL_TEXTURE_WRAP_T, t);
 }
+
+/// Of the texture that is bound: texels as they are.
+inline void nearest_texels(GLenum target) {
+  filter(target, GL_NEAREST, GL_NEAREST);
+  wrap(target, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
+}
+
+/// The framebuffer that is bound, 4 channels, row 0 at the top.
+Image read_pixels(int width, int height);
 
 /// Where what is seen through glass stands, beside the layers of scattered light.
 inline constexpr GLenum kThroughAttachment = GL_COLOR_ATTACHMENT3;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -78,6 +79,28 @@ void check_panorama(const Image& image, const std::string& where) {
     throw Error("an equirectangular environment is twice as wide as high, this image is " +
                     std::to_string(image.width) + "x" + std::to_string(image.height),
                 where);
+}
+
+vec3 irradiance_from_above(const Environment& environment) {
+  dvec3 sum = dvec3(environment.constant) * std::numbers::pi;
+  if (environment.map) {
+    const Image& map = *environment.map;
+    const double rows = map.height;
+    for (int y = 0; y < map.height; ++y) {
+      // ∫ cos θ dω over a row is half the difference of sin² θ, times its azimuth; rows below the horizon give nothing.
+      const double top = std::numbers::pi * std::min(y / rows, 0.5);
+      const double bottom = std::numbers::pi * std::min((y + 1) / rows, 0.5);
+      const double weight = 0.5 * (std::pow(std::sin(bottom), 2) - std::pow(std::sin(top), 2)) * 2.0 *
+                            std::numbers::pi / static_cast<double>(map.width);
+      if (weight <= 0.0) break;
+      for (int x = 0; x < map.width; ++x) sum += dvec3(map.rgb(x, y)) * weight;
+    }
+  }
+  for (const SunDisc& sun : environment.suns) {
+    const double sine = std::sin(static_cast<double>(sun.angular_radius));
+    sum += dvec3(sun.radiance) * (std::numbers::pi * sine * sine * std::max(static_cast<double>(sun.direction.y), 0.0));
+  }
+  return vec3(sum * static_cast<double>(environment.intensity));
 }
 
 std::vector<SunDisc> world_suns(const Environment& environment) {

@@ -23,6 +23,9 @@ Image turned_panorama(const Image& map, const quat& world_from_map);
 /// Throws Error(…, where) unless `image` is about twice as wide as high, as an equirectangular environment is.
 void check_panorama(const Image& image, const std::string& where);
 
+/// Irradiance of an upward surface that nothing is above, suns included.
+vec3 irradiance_from_above(const Environment& environment);
+
 /// Its suns as the world sees them: turned by the rotation, times the intensity.
 std::vector<SunDisc> world_suns(const Environment& environment);
 

@@ -61,6 +61,13 @@ void validate_nodes(const Scene& scene) {
   }
 }
 
+void validate_ground(const Ground& ground) {
+  const vec3 color = ground.color;
+  const bool has_color = std::min({color.x, color.y, color.z}) >= 0.0f && max_component(color) <= 1.0f;
+  if (!std::isfinite(ground.height) || !has_color || !(ground.mirror >= 0.0f && ground.mirror <= 1.0f))
+    throw Error("number out of range", "/ground");
+}
+
 void validate_primitive(const Scene& scene, const Primitive& p, const std::string& where) {
   const std::size_t count = p.positions.size();
   require(p.normals.size() == count, "needs as many normals as positions", where);
@@ -228,6 +235,7 @@ float intensity_from_lumens(const Scene& scene, const Light& light, float lumens
 void validate(const Scene& scene) {
   require(!scene.materials.empty(), "the scene has no material", "materials");
   validate_nodes(scene);
+  if (scene.ground) validate_ground(*scene.ground);
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     for (std::size_t k = 0; k < scene.meshes[i].primitives.size(); ++k) {
       validate_primitive(scene, scene.meshes[i].primitives[k], place("meshes", i) + '/' + place("primitives", k));

@@ -161,6 +161,15 @@ struct ImageLight {
   int file_index = -1;
 };
 
+/// A level, endless ground below what a picture is of. It is matte where the scene's own light falls on it. Who looks
+/// at it does not see it, but what stands behind: the background, times the share of light from far away and from
+/// punctual lamps that the scene leaves to the ground at that place, and with the light that the scene adds.
+struct Ground {
+  float height = 0.0f;  ///< y
+  vec3 color{0.5f};     ///< linear reflectance, below 1, for the light that it sends back into the scene
+  float mirror = 0.0f;  ///< share of what it shows that is the scene's mirror image, where it has one; 0 … 1
+};
+
 struct Scene {
   std::string name;
   std::vector<Node> nodes;
@@ -172,6 +181,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Light> lights;
   std::vector<IesProfile> ies_profiles;
+  std::optional<Ground> ground;           ///< no file has one
   std::optional<ImageLight> image_light;  ///< what lights the scene unless its user says otherwise
   /// What a built-in scene wishes to be lit by and seen through; files leave them empty.
   std::optional<std::string> preferred_environment;

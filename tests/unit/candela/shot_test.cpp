@@ -109,6 +109,46 @@ TEST(unit_candela_shot, a_quality_has_samples_noise_and_a_denoiser_and_frames) {
   }
 }
 
+TEST(unit_candela_shot, paper_is_ground_and_background_in_one_colour) {
+  Shot shot = small();
+  shot.ground = GroundChoice{.color = vec3(0.2f, 0.4f, 0.8f)};
+  const TakenPicture picture = taken(shot).at(0);
+  ASSERT_TRUE(picture.develop.background.has_value());
+  EXPECT_EQ(*picture.develop.background, *shot.ground->color);
+  EXPECT_FALSE(picture.film.through.empty());
+  // On another page it is only the light that comes back from it.
+  shot.background = Background::transparent;
+  EXPECT_FALSE(taken(shot).at(0).develop.background.has_value());
+}
+
+TEST(unit_candela_shot, the_ground_is_under_the_subject_unless_it_is_told_where) {
+  Shot shot = small();
+  shot.size = {48, 32};
+  shot.ground = GroundChoice{};
+  shot.background = Background::transparent;
+  const auto shade = [&] {
+    const TakenPicture picture = taken(shot).at(0);
+    return 1.0 - mean_luminance(picture.film.through);
+  };
+  const double touching = shade();
+  const float lowest = subject_bounds(load(shot.scene)).lower.y;
+  shot.ground->height = lowest;
+  EXPECT_NEAR(shade(), touching, 0.02 * touching);
+  shot.ground->height = lowest - 20.0f;
+  EXPECT_LT(shade(), 0.9 * touching);
+}
+
+TEST(unit_candela_shot, a_studio_is_light_and_paper) {
+  for (const StudioInfo& info : kStudios) {
+    Shot shot = small();
+    set_studio(parse_studio(info.name), shot);
+    EXPECT_EQ(make_environment(*shot.environment).exposure, 1.0f) << info.name;
+    EXPECT_EQ(*shot.ground->color, info.paper) << info.name;
+    EXPECT_EQ(shot.ground->mirror, info.mirror) << info.name;
+  }
+  EXPECT_THROW(parse_studio("beige"), Error);
+}
+
 TEST(unit_candela_shot, noise_is_judged_at_the_shots_exposure) {
   Shot shot = small();
   shot.traced.samples = 256;
