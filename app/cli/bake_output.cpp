@@ -6,7 +6,9 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "cli/json_text.h"
 #include "ibl/cube.h"
+#include "ibl/profile_code.h"
 #include "ibl/profile_files.h"
 #include "image/cube_file.h"
 #include "image/table_file.h"
@@ -60,12 +62,11 @@ Json sun_json(const ibl::Sun& sun) {
 std::string suns_json(const ibl::SunExtraction& extraction) {
   Json suns = Json::array();
   for (const ibl::Sun& sun : extraction.suns) suns.push_back(sun_json(sun));
-  return Json{{"what",
-               "direction is towards the sun; illuminance is that of a surface facing it, in lux where radiance is in "
-               "cd/m2; illuminance x color is linear Rec.709"},
-              {"suns", suns}}
-             .dump(2) +
-         "\n";
+  return json_text(
+      {{"what",
+        "direction is towards the sun; illuminance is that of a surface facing it, in lux where radiance is in "
+        "cd/m2; illuminance x color is linear Rec.709"},
+       {"suns", suns}});
 }
 
 void write_harmonics(const fs::path& folder, const BakeResult& result) {
@@ -224,7 +225,7 @@ std::string bake_json(const BakeResult& result) {
   }
   json["warnings"] = Json::array();
   for (const Diagnostic& warning : result.warnings) json["warnings"].push_back(warning.text());
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string bake_text(const BakeResult& result) {
@@ -273,6 +274,13 @@ std::string bake_text(const BakeResult& result) {
   return text;
 }
 
+std::string profile_text(const ibl::Profile& profile) {
+  std::string text = fmt::format("\n{} loads it so:\n\n{}", profile.engine, ibl::loading_code(profile));
+  const std::string_view panorama = ibl::panorama_code(profile);
+  if (panorama.empty()) return text;
+  return text + fmt::format("\n{} also reads a panorama itself, and filters it:\n\n{}", profile.engine, panorama);
+}
+
 std::string diff_text(const std::vector<CubeLevelDifference>& levels) {
   std::string text = fmt::format("{:>5} {:>6} {:>11} {:>11} {:>11} {:>13}  {}\n", "level", "size", "max", "rms", "mean",
                                  "max absolute", "where");
@@ -301,7 +309,7 @@ std::string diff_json(const std::vector<CubeLevelDifference>& levels) {
                     {"texel", {d.x, d.y}},
                     {"not_finite", d.non_finite}});
   }
-  return Json{{"levels", rows}}.dump(2) + "\n";
+  return json_text({{"levels", rows}});
 }
 
 }  // namespace candela::cli

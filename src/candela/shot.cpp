@@ -142,6 +142,7 @@ void Take::warn(std::string message) const {
 void Take::choose_moments() {
   const bool is_asked = shot_.moment_s || shot_.animation || shot_.shutter_s > 0.0 || shot_.sequence;
   const bool is_animated = asset_.is_animated();
+  if (shot_.sequence && !is_animated) throw Error("nothing in " + shot_.scene + " is animated", "--sequence");
   if (is_asked && !is_animated && !shot_.animation) warn("nothing in it is animated: shown as it stands");
   is_moving_ = is_asked && (is_animated || shot_.animation);
   const double first = shot_.moment_s.value_or(0.0);
@@ -274,6 +275,7 @@ void Take::prepare() {
     develop_.tone_curve = ToneCurve::linear;
   }
   develop_.background = shot_.background_color;
+  develop_.background_opacity = shot_.background_opacity;
   choose_denoiser();
   is_prepared_ = true;
 }

@@ -76,6 +76,7 @@ struct Shot {
   std::optional<std::optional<float>> exposure = {};  ///< a factor, or empty: metered
   ToneCurve tone_curve = ToneCurve::pbr_neutral;
   float bloom = 0.0f;
+  float background_opacity = 1.0f;            ///< of that colour
   std::optional<vec3> background_color = {};  ///< linear; shows through where the picture is transparent
 
   bool has_many_pictures() const { return turntable || sequence; }
