@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -326,7 +328,11 @@ Inputs inputs_of(const BakeOptions& o) {
 /// What the engine expects, where nothing else is asked for.
 void follow_profile(const ibl::Profile& profile, BakeOptions& o) {
   if (!o.has_size) o.bake.size = profile.size;
-  if (!o.has_levels) o.bake.levels = profile.levels;
+  if (!o.has_levels) {
+    // Of what the engine filters itself nothing but level 0 is written; a small cube has fewer.
+    const int most = std::bit_width(static_cast<unsigned>(o.bake.size));
+    o.bake.levels = profile.is_filtered ? std::min(profile.levels, most) : 1;
+  }
   o.bake.roughness.clear();
   for (int level = 0; level < o.bake.levels; ++level) {
     o.bake.roughness.push_back(

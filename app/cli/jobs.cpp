@@ -66,12 +66,15 @@ void run_jobs(const std::string& file, const std::function<void(const std::vecto
   std::size_t number = 0, jobs = 0, failed = 0;
   for (std::string line; !Interrupt::requested() && std::getline(lines, line);) {
     const std::string place = fmt::format("{}:{}", where, ++number);
+    ++jobs;
     try {
       std::vector<std::string> words = words_of(line);
       if (words.size() > 1 && words[0] == "candela" && words[1] == "render")
         words.erase(words.begin(), words.begin() + 2);
-      if (words.empty()) continue;
-      ++jobs;
+      if (words.empty()) {
+        --jobs;
+        continue;
+      }
       run(words);
     } catch (const UsageError& error) {
       ++failed;

@@ -34,6 +34,7 @@ struct PreviewOptions {
   std::string scene;
   std::string output;
   PreviewSettings settings;
+  std::optional<Engine> engine;  ///< else the path tracer, or the rasterizer in a build without
   std::optional<int> thumbnail;  ///< pixels a side
   bool json = false;
   bool quiet = false;
@@ -76,7 +77,7 @@ Json preview_json(const Preview& p) {
   return json;
 }
 
-/// A display picture, by the extension of its name; a name without one is a PNG.
+/// A display picture, by the extension of its name; any other name is a PNG's.
 void write_display(const fs::path& path, const DisplayImage& image) {
   const bool is_jpeg = has_extension(path, ".jpg") || has_extension(path, ".jpeg");
   if (is_jpeg) return write_jpeg(path, image);
@@ -108,11 +109,22 @@ void check_usage(const PreviewOptions& o) {
   const std::string extension = piped.empty() ? lower_extension(o.output) : piped;
   const bool is_known =
       extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".webp" || extension.empty();
-  if (!is_known) throw UsageError("--output: is a .png, a .webp or a .jpg: " + o.output);
+  // A thumbnailer chooses any name.
+  if (!is_known && !o.thumbnail) throw UsageError("--output: is a .png, a .webp or a .jpg: " + o.output);
+}
+
+Engine default_engine() {
+  try {
+    path::check_built();
+    return Engine::path;
+  } catch (const Error&) {
+    return Engine::raster;
+  }
 }
 
 void run_preview(PreviewOptions& o) {
   check_usage(o);
+  o.settings.engine = o.engine ? *o.engine : default_engine();
   check_environment_name(o.settings.environment.value_or("none"));
   const Stopwatch watch;
   const ThreadLimit threads(o.threads);
@@ -159,7 +171,7 @@ Verb add_preview(Command& command) {
   add_value(
       command, "--env", "FILE|NAME", o.settings.environment, [](const std::string& text) { return text; },
       "What lights it: a file, studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]");
-  add_value(command, "--engine", "path|raster", o.settings.engine, parse_engine, "What draws it [path]");
+  add_value(command, "--engine", "path|raster", o.engine, parse_engine, "What draws it [path]");
   add_root(command, o.settings.load.root);
   add_texture_memory(command, o.settings.load.texture_memory);
   add_scene_choice(command, o.settings.load.scene);

@@ -226,7 +226,9 @@ void run_render(const RenderOptions& o, const std::shared_ptr<Stage>& stage) {
 
 /// Each line is a command line of its own; what they load is shared.
 void render_jobs(const RenderOptions& given) {
+  constexpr std::size_t kModels = 4;  // lists often come back to one; more would fill the memory
   const auto stage = std::make_shared<Stage>();
+  stage->scenes().set_capacity(kModels);
   ProgressLine progress(given.quiet);
   const Interrupt interrupt;
   const auto run = [&](const std::vector<std::string>& words) {

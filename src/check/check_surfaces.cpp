@@ -125,16 +125,17 @@ void count(const Material& m, const Reading& r, const Limits& limits, Tallies& t
   if (shows_albedo(r)) {
     t.paper += y > kPaper ? w : 0.0;
     t.ink += y < kInk ? w : 0.0;
-    if (y > limits.brightest_albedo) t.too_bright.add(w, y);
+    if (y > static_cast<float>(limits.brightest_albedo)) t.too_bright.add(w, y);
     // What glows or has pile gives light in another way.
-    if (max_component(r.base_color) < limits.darkest_albedo && !r.glows && !r.has_sheen) t.too_dark.add(w, y);
+    if (max_component(r.base_color) < static_cast<float>(limits.darkest_albedo) && !r.glows && !r.has_sheen)
+      t.too_dark.add(w, y);
   }
   if (r.metallic >= kMetal && !m.is_conductor()) {
     t.metal.add(w, y);
   } else if (r.metallic > kDielectric && r.metallic < kMetal) {
     t.between.add(w, r.metallic);
   }
-  if (r.roughness < limits.least_roughness && r.transmission <= 0.5f) t.mirror.add(w, r.roughness);
+  if (r.roughness < static_cast<float>(limits.least_roughness) && r.transmission <= 0.5f) t.mirror.add(w, r.roughness);
   if (r.occlusion < kNoOcclusion) t.occluded.add(w, r.occlusion);
 }
 
@@ -179,7 +180,8 @@ class MaterialJudge {
       if (is_flat_ && !lies_flat(point)) is_flat_ = false;
       const Reading r = reader.at(point);
       count(material_, r, limits_, t_);
-      if (r.metallic >= kMetal && !material_.is_conductor() && luminance(r.base_color) < limits_.darkest_metal) {
+      if (r.metallic >= kMetal && !material_.is_conductor() &&
+          luminance(r.base_color) < static_cast<float>(limits_.darkest_metal)) {
         t_.dark_metal.add(r.opacity, luminance(r.base_color));
       }
     }

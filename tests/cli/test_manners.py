@@ -204,8 +204,8 @@ class Jobs(CliTest):
         process.stdin.flush()
         self.assertIn("a.png: 16x12", process.stderr.readline())  # while the input is still open
         process.stdin.close()
+        process.stdin = None  # for the clean-up
         self.assertEqual(process.wait(timeout=60), 0)
-        process.stdout.close(), process.stderr.close()
 
     def test_the_options_of_jobs_stand_in_their_lines(self):
         self.refuses("render", "--jobs", "a.txt", "--size", "3x3", says="--size: --jobs takes it from each line")
