@@ -76,10 +76,9 @@ void run_jobs(const std::string& file, const std::function<void(const std::vecto
         continue;
       }
       run(words);
-    } catch (const UsageError& error) {
-      ++failed;
-      progress.failed({error.what(), place});
-    } catch (const Error& error) {
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const std::exception& error) {
       ++failed;
       progress.failed({error.what(), place});
     }
