@@ -292,7 +292,9 @@ Examples:
   candela render helmet.glb -o helmet.png --size 1920x1080 --quality good
   candela render helmet.glb -o logo.png --background transparent --env sky
   candela render helmet.glb -o frames/%03d.png --engine raster --turntable 48
-  candela render models/ -o pictures/ --engine raster --size 256x256)");
+  candela render models/ -o pictures/ --engine raster --size 256x256
+
+Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work left.)");
 }
 
 /// Replaces folders by the scenes below them.
