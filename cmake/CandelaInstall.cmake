@@ -2,6 +2,8 @@
 
 get_property(candela_libraries GLOBAL PROPERTY CANDELA_LIBRARIES)
 install(TARGETS candela_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# Desktops show pictures of models in their file managers (freedesktop.org's thumbnailers).
+install(FILES ${PROJECT_SOURCE_DIR}/share/candela.thumbnailer DESTINATION ${CMAKE_INSTALL_DATADIR}/thumbnailers)
 install(TARGETS ${candela_libraries} EXPORT candelaTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/candela FILES_MATCHING PATTERN "*.h")

@@ -58,6 +58,7 @@ THIRD_PARTY = {
     "draco/": {"io"},
     "embree": {"path"},
     "fmt/": {"app", "candela", "check", "content", "denoise", "figures", "foreign", "ibl", "image", "io", "laws", "path", "raster", "scene"},
+    "ft2build.h": {"image"},
     "glm/": set(ALLOWED) | {"app"},
     "jpeglib.h": {"image"},
     "nlohmann/": {"app", "candela", "foreign", "io"},
@@ -73,6 +74,7 @@ THIRD_PARTY = {
 LIBRARIES = {
     "CLI/": "CLI11", "avif/": "libavif", "EGL/": "EGL", "GL": "OpenGL ES", "GLFW/": "GLFW", "Imath": "OpenEXR", "Imf": "OpenEXR",
     "OpenEXR/": "OpenEXR", "assimp/": "Assimp", "astcenc.h": "libastcenc", "draco/": "libdraco", "embree": "Embree", "fmt/": "",
+    "ft2build.h": "FreeType",
     "glm/": "glm", "jpeglib.h": "libjpeg-turbo", "nlohmann/": "nlohmann-json", "png.h": "libpng", "tbb/": "oneTBB",
     "turbojpeg.h": "libjpeg-turbo", "webp/": "libwebp", "zip.h": "libzip", "zlib.h": "zlib", "zstd.h": "Zstandard",
 }

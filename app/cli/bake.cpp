@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -230,6 +232,22 @@ void check_usage(const BakeOptions& o) {
   }
 }
 
+/// What nothing that the engine takes depends on.
+template <class Refuse>
+void check_profile(const ibl::Profile& profile, const Refuse& refuse) {
+  const std::string name(profile.name);
+  const bool has_diffuse_map = profile.diffuse_map != ibl::DiffuseUnit::none;
+  refuse({"--sheen"}, name + " has no levels of the sheen lobe");
+  if (!profile.is_filtered) refuse({"--levels", "--method", "--error"}, name + " filters level 0 itself");
+  if (!has_diffuse_map) refuse({"--irradiance", "--irradiance-size"}, name + " takes no cube of diffuse light");
+  if (profile.diffuse_sh == ibl::DiffuseUnit::none) {
+    refuse({"--sh-order", "--window"}, name + " takes no harmonics");
+  } else {
+    refuse({"--sh-order"}, name + " takes three bands of harmonics");
+  }
+  if (!profile.table) refuse({"--tables", "--table-size"}, name + " has its own table");
+}
+
 /// What has no effect beside other options is not silently ignored.
 void check_combinations(const Command& command, const BakeOptions& o) {
   const auto refuse = [&](std::initializer_list<const char*> options, const std::string& why) {
@@ -261,6 +279,7 @@ void check_combinations(const Command& command, const BakeOptions& o) {
   if (o.order.light.scene.empty())
     refuse({"--spp", "--root", "--texture-memory", "--scene", "--unit", "--up"}, "only with --from-scene");
   if (!o.order.light.scene.empty()) refuse({"--axes"}, "only for cube maps that are read");
+  if (o.order.profile != nullptr) check_profile(*o.order.profile, refuse);
 }
 
 void check_paths(const BakeOptions& o) {
@@ -348,8 +367,12 @@ void run_bake(const BakeOptions& o) {
     throw Interrupted("the bake is not done, and no file of it is written");
   }
   progress.clear();
-  if (!o.report.empty()) write_file(o.report, bake_html(result));
-  print(o.json ? bake_json(result, files) : bake_text(result));
+  if (!o.report.empty()) {
+    const FolderFor folder(o.report);
+    write_file(o.report, bake_html(result));
+  }
+  if (o.json) return print(bake_json(result, files));
+  print(bake_text(result) + (o.order.profile != nullptr && o.order.has_light() ? profile_text(*o.order.profile) : ""));
 }
 
 }  // namespace
@@ -370,6 +393,12 @@ Verb add_bake(Command& command) {
       "street.html\n  candela bake sky:20 -o dusk --extract-sun --sh-order 4 --window auto\n  candela bake street.hdr "
       "-o app/public --profile three --tables\n  candela bake --from-scene room.glb --at 0,1.6,0 sky -o probe --format "
       "ktx2\n  candela bake --diff old/specular.ktx2 new/specular.ktx2\n  candela bake --tables -o tables");
+  command.short_help(
+      {"--output", "--profile", "--size", "--levels", "--format", "--from-scene", "--at", "--error", "--tables",
+       "--report", "--quiet", "--help"},
+      "`candela bake --help all` lists every option.\n\nExamples:\n  candela bake street.hdr -o street\n  "
+      "candela bake street.hdr -o app/public --profile three\n  candela bake street.hdr -o street --error "
+      "0.1% --report street.html\n  candela bake --from-scene room.glb --at 0,1.6,0 sky -o probe");
   return [options, &command] {
     options->has_format = command.has("--format");
     check_combinations(command, *options);

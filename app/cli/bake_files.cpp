@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "cli/bake_output.h"
+#include "cli/output.h"
 
 namespace candela::cli {
 
@@ -149,6 +150,7 @@ void check_target(const fs::path& path, const Inputs& inputs, const fs::path& re
 std::vector<BakeFile> write_bake(const fs::path& folder, const Inputs& inputs, const fs::path& report,
                                  BakeResult& result) {
   const fs::path whole = folder.has_filename() ? folder : folder.parent_path();
+  const FolderFor parent(whole);
   const Workshop workshop(fs::absolute(whole));
   write_bake_files(workshop.made(), result);
   std::vector<BakeFile> files;

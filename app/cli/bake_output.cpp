@@ -6,7 +6,9 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "cli/json_text.h"
 #include "ibl/cube.h"
+#include "ibl/profile_code.h"
 #include "ibl/profile_files.h"
 #include "image/cube_file.h"
 #include "image/table_file.h"
@@ -100,7 +102,7 @@ std::string bake_json(const BakeResult& result, const std::vector<BakeFile>& fil
   }
   json["warnings"] = Json::array();
   for (const Diagnostic& warning : result.warnings) json["warnings"].push_back(warning.text());
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string bake_text(const BakeResult& result) {
@@ -149,6 +151,13 @@ std::string bake_text(const BakeResult& result) {
   return text;
 }
 
+std::string profile_text(const ibl::Profile& profile) {
+  std::string text = fmt::format("\n{} loads it so:\n\n{}", profile.engine, ibl::loading_code(profile));
+  const std::string_view panorama = ibl::panorama_code(profile);
+  if (panorama.empty()) return text;
+  return text + fmt::format("\n{} also reads a panorama itself, and filters it:\n\n{}", profile.engine, panorama);
+}
+
 std::string diff_text(const std::vector<CubeLevelDifference>& levels) {
   std::string text = fmt::format("{:>5} {:>6} {:>11} {:>11} {:>11} {:>13}  {}\n", "level", "size", "max", "rms", "mean",
                                  "max absolute", "where");
@@ -177,7 +186,7 @@ std::string diff_json(const std::vector<CubeLevelDifference>& levels) {
                     {"texel", {d.x, d.y}},
                     {"not_finite", d.non_finite}});
   }
-  return Json{{"levels", rows}}.dump(2) + "\n";
+  return json_text({{"levels", rows}});
 }
 
 }  // namespace candela::cli

@@ -31,6 +31,9 @@ std::string bake_text(const BakeResult& result);
 std::string bake_json(const BakeResult& result, const std::vector<BakeFile>& files);
 std::string bake_html(const BakeResult& result);
 
+/// How the engine loads it, and whether it could do without.
+std::string profile_text(const ibl::Profile& profile);
+
 std::string diff_text(const std::vector<CubeLevelDifference>& levels);
 std::string diff_json(const std::vector<CubeLevelDifference>& levels);
 

@@ -1,45 +1,35 @@
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "candela/verdict.h"
+#include "cli/check_filter.h"
 #include "cli/interrupt.h"
+#include "cli/json_text.h"
 #include "cli/option.h"
+#include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/scene_list.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
+#include "cli/verdict_json.h"
 
 namespace candela::cli {
 
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using check::Finding;
 using check::Severity;
 
-std::vector<std::string> scenes_of(const std::vector<std::string>& names) {
-  std::vector<std::string> result;
-  for (const std::string& name : names) {
-    if (name.empty()) throw UsageError("SCENE: the name is empty");
-    std::error_code ignored;
-    if (fs::is_directory(name, ignored)) {
-      const std::vector<std::string> below = scenes_below(name);
-      result.insert(result.end(), below.begin(), below.end());
-    } else {
-      result.push_back(name);
-    }
-  }
-  return result;
-}
-
 struct Totals {
-  std::size_t files = 0, clean = 0, unreadable = 0, errors = 0, warnings = 0, notes = 0;
+  std::size_t files = 0, clean = 0, unreadable = 0, errors = 0, warnings = 0, notes = 0, known = 0;
 
   void add(const Verdict& v) {
     ++files;
@@ -102,34 +92,6 @@ std::string verdict_text(const Verdict& v) {
   return text;
 }
 
-Json name_or_null(const std::string& label) { return label.empty() ? Json(nullptr) : Json(label); }
-
-Json verdict_json(const Verdict& v) {
-  Json findings = Json::array();
-  for (const auto& [f, material, texture] : v.findings) {
-    Json measured = Json::object();
-    for (const auto& [name, value] : f.measured) measured[name] = value;
-    findings.push_back({{"severity", severity_name(f.severity)},
-                        {"code", f.code},
-                        {"material", name_or_null(material)},
-                        {"material_index", f.material < 0 ? Json(nullptr) : Json(f.material)},
-                        {"texture", name_or_null(texture)},
-                        {"texture_index", f.texture < 0 ? Json(nullptr) : Json(f.texture)},
-                        {"subject", name_or_null(f.subject)},
-                        {"share", f.share ? Json(*f.share) : Json(nullptr)},
-                        {"share_of", f.share ? Json(f.share_of) : Json(nullptr)},
-                        {"message", f.message},
-                        {"fix", name_or_null(f.fix)},
-                        {"measured", measured}});
-  }
-  return {{"file", v.file},
-          {"readable", !v.unreadable},
-          {"reason", v.unreadable ? Json(*v.unreadable) : Json(nullptr)},
-          {"materials", v.material_count},
-          {"triangles", v.triangle_count},
-          {"findings", findings}};
-}
-
 std::string report_json(const std::vector<Verdict>& verdicts, const Totals& totals, std::size_t asked) {
   Json assets = Json::array();
   for (const Verdict& v : verdicts) assets.push_back(verdict_json(v));
@@ -141,11 +103,21 @@ std::string report_json(const std::vector<Verdict>& verdicts, const Totals& tota
                        {"errors", totals.errors},
                        {"warnings", totals.warnings},
                        {"notes", totals.notes},
+                       {"known", totals.known},
                        {"not_judged", asked - totals.files}}}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
+/// What the verdicts are measured by, and what of them is not told.
+struct CheckFilter {
+  std::vector<std::string> limit_texts;  ///< as they were given
+  check::Limits limits;
+  std::set<std::string> ignored;  ///< codes
+  std::string baseline, new_baseline;
+};
+
 struct CheckOptions {
+  CheckFilter filter;
   std::vector<std::string> names;
   std::string root;
   std::string scene;
@@ -156,15 +128,50 @@ struct CheckOptions {
   std::string threads;
 };
 
+/// Takes out what is ignored or known; a file that cannot be read stays one.
+class Sieve {
+ public:
+  explicit Sieve(const CheckFilter& filter) : filter_(filter) {
+    if (!filter.baseline.empty()) known_ = Baseline(filter.baseline);
+    if (!filter.new_baseline.empty()) check_writable(filter.new_baseline);
+  }
+
+  /// Returns how many findings were known.
+  std::size_t apply(Verdict& verdict) {
+    leave_out([&](const NamedFinding& f) { return filter_.ignored.contains(f.finding.code); }, verdict);
+    if (!filter_.new_baseline.empty()) written_.add(verdict, filter_.new_baseline);
+    if (!known_) return 0;
+    return leave_out([&](const NamedFinding& f) { return known_->knows(verdict.file, f); }, verdict);
+  }
+  void finish() const {
+    if (!filter_.new_baseline.empty()) written_.write(filter_.new_baseline);
+  }
+
+ private:
+  const CheckFilter& filter_;
+  std::optional<Baseline> known_;
+  Baseline written_;
+};
+
+/// One line after all verdicts of several files, or of one whose findings were known.
+std::string totals_text(const Totals& totals, bool is_partial) {
+  return fmt::format("{}{}, {} clean, {} unreadable: {}{}\n", is_partial ? "interrupted: " : "",
+                     plural(totals.files, "file"), totals.clean, totals.unreadable,
+                     counts_text(totals.errors, totals.warnings, totals.notes),
+                     totals.known > 0 ? fmt::format(", {} known", totals.known) : "");
+}
+
 void run_check(const CheckOptions& options) {
   constexpr int kMostThreads = 1024;
   const ThreadLimit limit(options.threads.empty() ? 0 : parse_count(options.threads, 0, kMostThreads));
-  const std::vector<std::string> scenes = scenes_of(options.names);
+  std::vector<std::string> scenes;
+  for (ListedScene& scene : list_scenes(options.names)) scenes.push_back(std::move(scene.name));
   const LoadOptions load_options{
       .refuse_unknown_required = false, .root = options.root, .scene = options.scene, .measures = options.measures};
   std::vector<Verdict> verdicts;
   Totals totals;
   ProgressLine progress(options.quiet);
+  Sieve sieve(options.filter);
   const Interrupt interrupt;
   const Job job = progress.job();
   const JobParts parts(job, scenes.size());
@@ -173,10 +180,11 @@ void run_check(const CheckOptions& options) {
     progress.phase(text);
     Verdict verdict;
     try {
-      verdict = judge(scenes[i], load_options, parts.part(i, text + ", "));
+      verdict = judge(scenes[i], load_options, parts.part(i, text + ", "), options.filter.limits);
     } catch (const Interrupted&) {
       break;  // half a judgement would pass for a good one
     }
+    totals.known += sieve.apply(verdict);
     totals.add(verdict);
     if (options.json) {
       verdicts.push_back(std::move(verdict));
@@ -189,12 +197,11 @@ void run_check(const CheckOptions& options) {
   const bool is_partial = totals.files < scenes.size();
   if (options.json) {
     print(report_json(verdicts, totals, scenes.size()));
-  } else if (scenes.size() > 1) {
-    print(fmt::format("{}{}, {} clean, {} unreadable: {}\n", is_partial ? "interrupted: " : "",
-                      plural(totals.files, "file"), totals.clean, totals.unreadable,
-                      counts_text(totals.errors, totals.warnings, totals.notes)));
+  } else if (scenes.size() > 1 || totals.known > 0) {
+    print(totals_text(totals, is_partial));
   }
   if (is_partial) throw Interrupted(fmt::format("{} of {} are judged", totals.files, plural(scenes.size(), "file")));
+  sieve.finish();
   if (totals.unreadable > 0) {
     throw Error(fmt::format("{} of {} cannot be read", totals.unreadable, plural(totals.files, "file")));
   }
@@ -202,6 +209,21 @@ void run_check(const CheckOptions& options) {
     throw Error(
         fmt::format("{} and {} (--strict)", plural(totals.errors, "error"), plural(totals.warnings, "warning")));
   }
+}
+
+void add_filter(Command& command, CheckFilter& filter) {
+  const auto file_name = [](const std::string& text) {
+    if (text.empty()) throw UsageError("the name is empty");
+    return text;
+  };
+  add_value(command, "--ignore", "CODE,…", filter.ignored, parse_codes, "Findings not to be told, e.g. roughness-zero");
+  command
+      .texts("--limit", filter.limit_texts,
+             "From where on a finding is told, may be repeated: albedo-too-bright=0.95, too-many-triangles=100000")
+      .type("CODE=X")
+      .repeated();
+  add_value(command, "--write-baseline", "FILE", filter.new_baseline, file_name, "Keep today's findings as known ones");
+  add_value(command, "--baseline", "FILE", filter.baseline, file_name, "Tell only findings that are not known");
 }
 
 }  // namespace
@@ -215,12 +237,18 @@ Verb add_check(Command& command) {
   add_measures(command, options->measures);
   command.flag("--json", options->json, "For a machine: one JSON object, with the measured numbers");
   command.flag("--strict", options->strict, "Exit code 1 where there is a warning or an error");
+  add_filter(command, options->filter);
   command.text("--threads", options->threads, "Default: all the machine has").type("N");
   command.flag("-q,--quiet", options->quiet, "No progress on standard error");
   command.footer(
-      "Examples:\n  candela check helmet.glb\n  candela check assets/ --strict\n  candela check helmet.glb --json\n\n"
+      "Examples:\n  candela check helmet.glb\n  candela check assets/ --strict\n  candela check helmet.glb --json\n"
+      "  candela check assets/ --write-baseline known.json\n  candela check assets/ --baseline known.json --strict\n"
+      "  candela check assets/ --ignore roughness-zero --limit too-many-triangles=100000\n\n"
       "docs/check.md explains every finding. Ctrl-C keeps the verdicts so far (exit code 130).");
-  return [options] { run_check(*options); };
+  return [options] {
+    for (const std::string& text : options->filter.limit_texts) parse_limit(text, options->filter.limits);
+    run_check(*options);
+  };
 }
 
 }  // namespace candela::cli

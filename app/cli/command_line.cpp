@@ -1,8 +1,12 @@
 #include "cli/command_line.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <utility>
 
+#include "base/text.h"
 #include "cli/values.h"
 
 namespace candela::cli {
@@ -73,6 +77,9 @@ Option Command::value(const std::string& name, const std::string& type,
 }
 Option Command::help() { return Option(app_->set_help_flag(kHelpFlag, kHelpText)); }
 void Command::footer(const std::string& text) { app_->footer(text); }
+void Command::short_help(const std::vector<std::string>& names, const std::string& text) {
+  *short_help_ = {names, text};
+}
 
 bool Command::has(const std::string& name) const { return app_->count(name) > 0; }
 std::vector<std::string> Command::given() const {
@@ -94,17 +101,89 @@ CommandLine::CommandLine(const std::string& name, const std::string& what, const
 CommandLine::~CommandLine() = default;
 
 Command CommandLine::add_verb(const std::string& name, const std::string& what) {
-  return Command(app_->add_subcommand(name, what)->group("Verbs"));
+  CLI::App* verb = app_->add_subcommand(name, what)->group("Verbs");
+  return {verb, &short_helps_[verb]};
 }
 void CommandLine::footer(const std::string& text) { app_->footer(text); }
+void CommandLine::add_topic(const std::string& name, const std::function<std::string()>& text) { topics_[name] = text; }
 
-CommandLine::Asked CommandLine::parse(int argc, char** argv) {
+namespace {
+
+constexpr const char* kAll = "all";
+
+bool is_help(const std::string& text) { return text == "-h" || text == "--help"; }
+
+/// `help VERB all` as `VERB --help all`.
+template <class IsVerb>
+std::vector<std::string> without_help_verb(std::vector<std::string> arguments, IsVerb is_verb) {
+  if (arguments.empty() || arguments[0] != "help") return arguments;
+  arguments.erase(arguments.begin());
+  const bool has_verb = !arguments.empty() && is_verb(arguments[0]);
+  arguments.insert(arguments.begin() + (has_verb ? 1 : 0), "--help");
+  return arguments;
+}
+
+/// The names with dashes of all options that an app has.
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+  }
+  return names;
+}
+
+/// What CLI11 was left with: the first option that the verb has not, else the first text that it has no place for.
+std::string unexpected_text(const CLI::App& app) {
+  const std::vector<std::string> left = app.remaining(true);
+  const auto is_option = [](const std::string& text) { return text.size() > 1 && text[0] == '-'; };
+  const auto option = std::find_if(left.begin(), left.end(), is_option);
+  const std::vector<CLI::App*> verbs = app.get_subcommands();
+  const std::string verb = verbs.empty() ? app.get_name() : verbs[0]->get_name();
+  if (option == left.end()) return fmt::format("{} takes no '{}'", verb, left.empty() ? "" : left[0]);
+  const std::string name = option->substr(0, option->find('='));
+  const std::vector<std::string> known = option_names(verbs.empty() ? app : *verbs[0]);
+  const std::string meant = did_you_mean(name, known);
+  return fmt::format("{} has no option {}{}", verb, name, meant);
+}
+
+}  // namespace
+
+std::string CommandLine::help_text(const std::string& topic) const {
+  if (const auto found = topics_.find(topic); found != topics_.end()) return found->second();
+  const std::vector<CLI::App*> verbs = app_->get_subcommands();
+  CLI::App& app = verbs.empty() ? *app_ : *verbs[0];
+  const auto found = short_helps_.find(&app);
+  if (topic == kAll || found == short_helps_.end() || found->second.names.empty()) return app_->help();
+  for (CLI::Option* option : app.get_options()) {
+    const std::vector<std::string>& shown = found->second.names;
+    const bool is_shown = std::find(shown.begin(), shown.end(), option->get_name()) != shown.end();
+    if (!option->get_positional() && !is_shown) option->group("");
+  }
+  app.footer(found->second.footer);
+  return app_->help();
+}
+
+CommandLine::Asked CommandLine::parse(const std::vector<std::string>& given) {
+  std::vector<std::string> arguments = without_help_verb(given, [this](const std::string& word) {
+    return !app_->get_subcommands([&](CLI::App* verb) { return verb->get_name() == word; }).empty();
+  });
+  std::string topic;
+  const auto help = std::find_if(arguments.begin(), arguments.end(), is_help);
+  const auto next = help == arguments.end() ? help : help + 1;
+  if (next != arguments.end() && (*next == kAll || topics_.contains(*next))) {
+    topic = *next;
+    arguments.erase(next);
+  }
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
   try {
-    app_->parse(argc, argv);
+    app_->parse(std::move(arguments));
   } catch (const CLI::CallForHelp&) {
-    return {.verb = {}, .text = app_->help()};
+    return {.verb = {}, .text = help_text(topic)};
   } catch (const CLI::CallForVersion& call) {
     return {.verb = {}, .text = std::string(call.what()) + "\n"};
+  } catch (const CLI::ExtrasError&) {
+    throw UsageError(unexpected_text(*app_));
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
   }

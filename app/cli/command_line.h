@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,10 +30,16 @@ class Option {
   CLI::Option* option_;
 };
 
+/// What --help shows of a verb with many options.
+struct ShortHelp {
+  std::vector<std::string> names;
+  std::string footer;
+};
+
 /// A verb and its options; what they fill must outlive the parsing. A name without dashes is a positional.
 class Command {
  public:
-  explicit Command(CLI::App* app) : app_(app) {}
+  Command(CLI::App* app, ShortHelp* short_help) : app_(app), short_help_(short_help) {}
 
   Option text(const std::string& name, std::string& into, const std::string& help);
   Option texts(const std::string& name, std::vector<std::string>& into, const std::string& help);
@@ -44,8 +51,10 @@ class Command {
                const std::string& help);
   /// --help, in a group of its own choice.
   Option help();
-  /// What follows the options in --help.
+  /// What follows the options in --help, and in `--help all` where short_help() gives another.
   void footer(const std::string& text);
+  /// The names ("--size") of the options that --help shows, and what follows them; `--help all` shows all options.
+  void short_help(const std::vector<std::string>& names, const std::string& text);
 
   // ----- after parsing
   bool has(const std::string& name) const;
@@ -54,9 +63,10 @@ class Command {
 
  private:
   CLI::App* app_;
+  ShortHelp* short_help_;
 };
 
-/// The program's verbs and what of them the user has named.
+/// The program's verbs and what of them the user has named. `help VERB` is the same as `VERB --help`.
 class CommandLine {
  public:
   CommandLine(const std::string& name, const std::string& what, const std::string& version);
@@ -67,16 +77,22 @@ class CommandLine {
   Command add_verb(const std::string& name, const std::string& what);
   /// Of the program and of every verb that has none.
   void footer(const std::string& text);
+  /// What `help NAME` and `--help NAME` print.
+  void add_topic(const std::string& name, const std::function<std::string()>& text);
 
   struct Asked {
     std::string verb;  ///< empty = none
     std::string text;  ///< what to print in its place, of --help and --version
   };
-  /// Throws UsageError.
-  Asked parse(int argc, char** argv);
+  /// Throws UsageError, which names the option that was meant where one was mistyped.
+  Asked parse(const std::vector<std::string>& arguments);
 
  private:
+  std::string help_text(const std::string& topic) const;
+
   std::unique_ptr<CLI::App> app_;
+  std::map<std::string, std::function<std::string()>> topics_;
+  std::map<const CLI::App*, ShortHelp> short_helps_;
 };
 
 }  // namespace candela::cli

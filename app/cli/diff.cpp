@@ -10,6 +10,7 @@
 #include "cli/html.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
+#include "cli/json_text.h"
 #include "cli/option.h"
 #include "cli/output.h"
 #include "cli/progress.h"
@@ -156,6 +157,7 @@ void check_output(const DiffOptions& o) {
 }
 
 void write_output(const DiffOptions& o, const std::vector<Compared>& all) {
+  const FolderFor folder(o.output);
   if (has_extension(o.output, ".html")) return write_file(o.output, page_html(all, o));
   write_png(o.output, error_map(all.front().difference->error));
 }
@@ -177,7 +179,7 @@ void require_small(const DiffOptions& o, const std::vector<Compared>& all) {
 std::string report_json(const std::vector<Compared>& all, const std::optional<float>& max_flip) {
   Json pairs = Json::array();
   for (const Compared& c : all) pairs.push_back(difference_json(c, max_flip));
-  return Json{{"pairs", pairs}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text({{"pairs", pairs}});
 }
 
 Compared compare(const PicturePair& pair, const DiffOptions& o) {

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "cli/interrupt.h"
+#include "cli/json_text.h"
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/values.h"
@@ -66,7 +67,7 @@ std::string matrix_json(const std::vector<laws::MatrixRow>& matrix, bool is_part
                     {"promise", promise},
                     {"kept", row.holds}});
   }
-  return Json{{"laws", rows}, {"interrupted", is_partial}}.dump(2) + "\n";
+  return json_text({{"laws", rows}, {"interrupted", is_partial}});
 }
 
 /// Values are encoded already.
@@ -120,6 +121,7 @@ Verb add_furnace(Command& command) {
     if (!options->output.empty() && !is_partial) {
       const Image sheet = laws::furnace_sheet(job);
       is_sheet_partial = job.is_stopped();
+      const FolderFor folder(output);
       write_png(output, display(sheet));
       progress.line(fmt::format("{}{}: roughness 0 to 1; from the top: {}", is_sheet_partial ? "interrupted, " : "",
                                 options->output, fmt::join(laws::furnace_sheet_rows(), "; ")));

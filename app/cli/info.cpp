@@ -11,6 +11,7 @@
 #include "base/diagnostics.h"
 #include "base/error.h"
 #include "candela/candela.h"
+#include "cli/json_text.h"
 #include "cli/option.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
@@ -258,7 +259,7 @@ Report scene_report(const std::string& name, const io::LoadOptions& chosen) {
   };
   add("warning", "warnings", diagnostics.warnings());
   add("note", "notes", diagnostics.notes());
-  return {table.text(), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"};
+  return {table.text(), json_text(json)};
 }
 
 Verb add_info(Command& command) {

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "cli/info.h"
+#include "cli/json_text.h"
 #include "cli/values.h"
 #include "image/cube_layout.h"
 #include "image/image_file.h"
@@ -100,7 +101,7 @@ Report image_report(const std::string& text) {
     if (!header.layers.empty()) table.row("layers", fmt::format("{}", fmt::join(header.layers, " ")));
     for (const auto& [key, value] : header.metadata) table.row(key, value);
   }
-  return {table.text(), json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"};
+  return {table.text(), json_text(json)};
 }
 
 }  // namespace candela::cli

@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "cli/info.h"
+#include "cli/json_text.h"
 #include "cli/values.h"
 #include "image/cube_metrics.h"
 #include "image/texture_file.h"
@@ -105,7 +106,7 @@ Report texture_report(const fs::path& path) {
     json["key_values"][key] = value;
     table.row(key, value);
   }
-  return {table.text(), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"};
+  return {table.text(), json_text(json)};
 }
 
 }  // namespace candela::cli

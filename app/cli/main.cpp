@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "candela/candela.h"
+#include "cli/help.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 
@@ -39,10 +40,13 @@ int fail(int code, const std::string& message, const std::string& hint = {}) {
   return code;
 }
 
-std::string usage_hint(int argc, char** argv) {
-  const std::string_view first = argc > 1 ? argv[1] : "";
-  const bool is_verb = std::any_of(kVerbs.begin(), kVerbs.end(), [&](const VerbInfo& v) { return v.name == first; });
-  return std::string("Try 'candela ") + (is_verb ? std::string(first) + " " : "") + "--help'.\n";
+bool is_verb(const std::string& word) {
+  return std::any_of(kVerbs.begin(), kVerbs.end(), [&](const VerbInfo& v) { return v.name == word; });
+}
+
+std::string usage_hint(const std::vector<std::string>& arguments) {
+  const bool has_verb = !arguments.empty() && is_verb(arguments[0]);
+  return std::string("Try 'candela ") + (has_verb ? arguments[0] + " " : "") + "--help'.\n";
 }
 
 std::string verb_names() {
@@ -54,7 +58,16 @@ std::string verb_names() {
   return text;
 }
 
-int run(int argc, char** argv) {
+/// `help` and what follows it may name a topic in place of a verb.
+void check_verb(const std::vector<std::string>& arguments, const std::string& topic) {
+  const std::size_t at = !arguments.empty() && arguments[0] == "help" ? 1 : 0;
+  if (at >= arguments.size() || arguments[at].starts_with('-') || is_verb(arguments[at])) return;
+  if (at == 1 && (arguments[at] == "all" || arguments[at] == topic)) return;
+  throw UsageError(unknown_verb_text(arguments[at]));
+}
+
+int run(const std::vector<std::string>& arguments) {
+  constexpr const char* kDemos = "demos";
   CommandLine line("candela", "Candela: physically based pictures of glTF scenes", version());
   std::vector<Command> commands;
   commands.reserve(kVerbs.size());  // what a verb does refers to its command
@@ -64,20 +77,22 @@ int run(int argc, char** argv) {
     commands.push_back(line.add_verb(std::string(verb.name), std::string(verb.what)));
     verbs.push_back(verb.add(commands.back()));
   }
+  line.add_topic(kDemos, demos_text);
   line.footer(
-      "`candela VERB --help` tells more, with examples.\n"
+      "`candela VERB --help` tells more, with examples; `candela help demos` lists the built-in scenes.\n"
       "Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work "
       "left.");  // last, because verbs inherit it
 
   try {
-    const CommandLine::Asked asked = line.parse(argc, argv);
+    check_verb(arguments, kDemos);
+    const CommandLine::Asked asked = line.parse(arguments);
     if (!asked.text.empty()) return print(asked.text), kDone;
     for (std::size_t i = 0; i < kVerbs.size(); ++i) {
       if (kVerbs[i].name == asked.verb) return verbs[i](), kDone;
     }
     throw UsageError("no verb given: " + verb_names());
   } catch (const UsageError& error) {
-    return fail(kWrongUsage, error.what(), usage_hint(argc, argv));
+    return fail(kWrongUsage, error.what(), usage_hint(arguments));
   }
 }
 
@@ -88,7 +103,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace candela::cli;
   try {
-    return run(argc, argv);
+    return run({argv + 1, argv + argc});
   } catch (const candela::Interrupted& stop) {
     return fail(kInterrupted, std::string("interrupted: ") + stop.what());
   } catch (const std::bad_alloc&) {

@@ -82,6 +82,11 @@ void ProgressLine::line(const std::string& text) {
 
 void ProgressLine::warn(const Diagnostic& warning) { line("warning: " + warning.text()); }
 
+void ProgressLine::failed(const Diagnostic& error) {
+  clear();
+  put("failed: " + one_line(error.text()) + "\n");
+}
+
 void ProgressLine::show(const std::string& text) {
   const auto columns = static_cast<std::size_t>(std::max(1, terminal_columns() - 1));
   put("\r" + one_line(text).substr(0, columns) + "\x1b[K");

@@ -24,6 +24,7 @@ class ProgressLine {
   void clear();                        ///< before something else is printed on the terminal
   void line(const std::string& text);  ///< stays on the screen
   void warn(const Diagnostic& warning);
+  void failed(const Diagnostic& error);  ///< one of several works, told to the quiet, too
 
  private:
   void show(const std::string& text);

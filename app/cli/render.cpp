@@ -9,8 +9,10 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "candela/candela.h"
 #include "candela/shot.h"
 #include "cli/interrupt.h"
+#include "cli/jobs.h"
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/render_outputs.h"
@@ -46,8 +48,10 @@ void warn_of_formats(const RenderOptions& o, Diagnostics& diagnostics) {
       diagnostics.warn("--background's colour has no effect on linear radiance, and this format has no transparency",
                        output.string());
     }
-    const bool keeps_alpha = has_extension(output, ".png") || has_extension(output, ".exr");
-    if (o.background.kind == Background::transparent && !o.background.color && !keeps_alpha) {
+    const bool keeps_alpha =
+        has_extension(output, ".png") || has_extension(output, ".webp") || has_extension(output, ".exr");
+    const bool has_alpha = !o.background.color || o.background.opacity < 1.0f;
+    if (o.background.kind == Background::transparent && has_alpha && !keeps_alpha) {
       diagnostics.warn("this format has no transparency", output.string());
     }
   }
@@ -73,7 +77,9 @@ class PartialWriter {
 
   void write(const std::vector<fs::path>& outputs, const Film& film, const DevelopSettings& develop) {
     constexpr double kShareOfTime = 0.05;
-    const bool is_shown = std::any_of(outputs.begin(), outputs.end(), is_device);
+    const bool is_shown = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& output) {
+      return is_device(output) || !standard_output_format(output.string()).empty();
+    });
     if (disabled_ || is_shown || since_last_.seconds() < last_cost_s_ / kShareOfTime) return;
     const Stopwatch cost;
     try {
@@ -108,14 +114,15 @@ std::string drawn_text(const std::string& output, const RenderOptions& o, const 
                      duration_text(s.frame_s / s.frames), s.driver);
 }
 
+/// `prefix` tells which of several scenes it is.
 TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::shared_ptr<Stage>& stage, int threads,
-                        ProgressLine& progress) {
+                        ProgressLine& progress, const std::string& prefix = {}, Job job = {}) {
   const Stopwatch total;
   RenderOptions o = given;
   // What is wrong with a name that was given is told before anything is loaded.
   if (!o.has_default_name) check_overwriting(o, inputs);
   check_paths(o);
-  progress.phase("loading " + o.shot.scene);
+  progress.phase(prefix + "loading " + o.shot.scene);
   Diagnostics diagnostics;
   Take take(o.shot, &diagnostics, stage);
   inputs.add(take.files());
@@ -128,11 +135,11 @@ TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::sh
   const std::size_t reported = diagnostics.warnings().size();
 
   const bool is_raster = o.shot.engine == Engine::raster;
-  progress.phase(is_raster ? "drawing" : "building");
+  progress.phase(prefix + (is_raster ? "drawing" : "building"));
   const Interrupt interrupt;
   PartialWriter partial(progress);
   std::size_t index = 0;
-  Job job = progress.job();
+  if (!job.progress) job = progress.job();
   job.partial = [&](const Film& film) { partial.write(outputs_of(o, index), film, take.develop()); };
   TakeResult result = take.render(
       [&](const TakenPicture& picture) {
@@ -176,21 +183,24 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
   if (code) throw Error("cannot be made: " + code.message(), folder.string());
   // The picture of one scene must not be a texture of the next.
   add_scene_files(o.scenes, o.shot.load.root, inputs);
-  const std::vector<fs::path> outputs = batch_outputs(o.scenes, folder, inputs);
+  const std::vector<fs::path> outputs = batch_outputs(o.stems, folder, inputs);
   std::size_t failed = 0, done = 0;
   bool is_last_unfinished = false;
+  const Job whole = progress.job();
+  const JobParts parts(whole, o.scenes.size());
   for (std::size_t i = 0; i < o.scenes.size() && !Interrupt::requested(); ++i) {
     RenderOptions one = o;
     one.shot.scene = o.scenes[i];
     one.outputs = {outputs[i].string()};
     try {
-      const TakeResult result = render_scene(one, inputs, stage, threads, progress);
+      const std::string prefix = fmt::format("scene {} of {}, ", i + 1, o.scenes.size());
+      const TakeResult result = render_scene(one, inputs, stage, threads, progress, prefix, parts.part(i, prefix));
       done += result.done;
       is_last_unfinished = result.is_last_unfinished;
     } catch (const Error& error) {
       if (o.scenes.size() == 1) throw;
       ++failed;
-      progress.warn({error.message(), error.where()});
+      progress.failed({error.message(), error.where()});
     }
   }
   const bool is_cut_short = is_last_unfinished || done + failed < o.scenes.size();
@@ -198,13 +208,12 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
   if (failed > 0) throw Error(fmt::format("{} of {} scenes have no picture", failed, o.scenes.size()), folder.string());
 }
 
-void run_render(const RenderOptions& o) {
+void run_render(const RenderOptions& o, const std::shared_ptr<Stage>& stage) {
   ProgressLine progress(o.quiet);
   check_memory(o);
   const ThreadLimit threads(o.threads);
   // Mesa's processor driver has threads of its own.
   if (o.threads > 0) setenv("LP_NUM_THREADS", std::to_string(o.threads).c_str(), 0);
-  const auto stage = std::make_shared<Stage>();
   const bool is_set = o.shot.has_many_pictures() || o.scenes.size() > 1;
   std::optional<Interrupt> between;
   if (is_set) between.emplace();
@@ -215,14 +224,47 @@ void run_render(const RenderOptions& o) {
   }
 }
 
+/// Each line is a command line of its own; what they load is shared.
+void render_jobs(const RenderOptions& given) {
+  constexpr std::size_t kModels = 4;  // lists often come back to one; more would fill the memory
+  const auto stage = std::make_shared<Stage>();
+  stage->scenes().set_capacity(kModels);
+  ProgressLine progress(given.quiet);
+  const Interrupt interrupt;
+  const auto run = [&](const std::vector<std::string>& words) {
+    CommandLine line("candela", "a job", version());
+    Command command = line.add_verb("render", "a job");
+    RenderOptions options;
+    add_render_options(command, options);
+    std::vector<std::string> arguments{"render"};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    if (!line.parse(arguments).text.empty()) throw UsageError("--help: is no job");
+    if (!options.jobs.empty()) throw UsageError("--jobs: not within a job");
+    options.quiet |= given.quiet;
+    finish_options(command, options);
+    for (const std::string& output : options.outputs) {
+      if (!standard_output_format(output).empty()) throw UsageError("--output: a job writes to a file: " + output);
+    }
+    run_render(options, stage);
+  };
+  run_jobs(given.jobs, run, progress);
+}
+
 }  // namespace
 
 Verb add_render(Command& command) {
   const auto options = std::make_shared<RenderOptions>();
   add_render_options(command, *options);
   return [options, &command] {
-    finish_options(command, *options);
-    run_render(*options);
+    if (options->jobs.empty()) {
+      finish_options(command, *options);
+      return run_render(*options, std::make_shared<Stage>());
+    }
+    for (const std::string& name : command.given()) {
+      const bool counts = name == "--jobs" || name == "--quiet";
+      if (!counts) throw UsageError(name + ": --jobs takes it from each line of " + options->jobs);
+    }
+    render_jobs(*options);
   };
 }
 

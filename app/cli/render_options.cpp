@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "base/error.h"
 #include "candela/cache.h"
 #include "cli/option.h"
 #include "cli/output.h"
+#include "cli/scene_list.h"
 #include "cli/values.h"
-#include "content/demo.h"
 #include "raster/blocks.h"
 
 namespace candela::cli {
@@ -35,10 +36,11 @@ std::string names_of(const Rows& rows, std::string_view separator = ", ") {
 void add_picture(Command& command, RenderOptions& o) {
   const std::string group = "Picture";
   command
-      .texts(
-          "-o,--output", o.outputs,
-          "File to write, may be repeated; .exr and .hdr stay linear; of several scenes a folder [SCENE's name .png]")
-      .type("FILE.{png,jpg,exr,hdr}|DIR")
+      .texts("-o,--output", o.outputs,
+             "File to write, may be repeated; .exr and .hdr stay linear; - or exr:- is standard output; of several "
+             "scenes a "
+             "folder [SCENE's name .png]")
+      .type("FILE.{png,jpg,webp,exr,hdr}|DIR")
       .repeated()
       .group(group);
   const auto variant = [](const std::string& value) {
@@ -61,7 +63,7 @@ void add_picture(Command& command, RenderOptions& o) {
             "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
       .group(group);
   add_value(command, "--background", "env|transparent|COLOUR", o.background, parse_background,
-            "Behind it all: #rrggbb (sRGB), r,g,b (linear), black, grey, white [env]")
+            "Behind it all: #rgb, #rrggbb or #rrggbbaa (sRGB), r,g,b (linear), black, grey, white [env]")
       .group(group);
   add_value(command, "--studio", names_of(kStudios, "|"), o.studio, parse_studio,
             "Light, paper and exposure of a product shot; --env, --ground and --background override it [none]")
@@ -214,6 +216,10 @@ void add_running(Command& command, RenderOptions& o) {
   add_value(command, "--stats", "FILE.json", o.stats, file_name,
             "Times, rays, memory and warnings as JSON; - is standard output")
       .group(group);
+  add_value(
+      command, "--jobs", "FILE|-", o.jobs, [](const std::string& text) { return text; },
+      "In place of all else: one command line after the other, a line each, models and environments loaded once")
+      .group(group);
   command.flag("-q,--quiet", o.quiet, "Nothing on standard error but errors").group(group);
   command.flag("--strict", o.strict, "Warnings are errors").group(group);
   command.help().group(group);
@@ -266,12 +272,12 @@ void add_raster(Command& command, RenderOptions& o) {
       .group(group);
 }
 
-std::string footer() {
-  std::string text = "Built-in scenes:\n";
-  for (const content::DemoInfo& demo : content::demos())
-    text += fmt::format("  {:<32} {}\n", "demo:" + demo.name, demo.description);
-  return text + R"(
-Examples:
+constexpr const char* kStops = R"(
+A long render refreshes its output files every few seconds. Ctrl-C stops early and keeps the picture with the samples
+or frames it has (exit code 0; 130 where pictures of a set are missing); a second Ctrl-C ends at once.
+Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work left.)";
+
+constexpr const char* kExamples = R"(Examples:
   candela render demo:materials -o materials.png
   candela render helmet.glb -o helmet.png -o helmet.exr --env sky --aov albedo,normal,depth
   candela render helmet.glb -o close.png --orbit -30,15,0.6 --fov 30deg --f-number 4 --noise 0.02
@@ -282,12 +288,36 @@ Examples:
   candela render helmet.glb -o frames/%03d.png --engine raster --turntable 48
   candela render fox.glb -o run.png --animation Run --frame-time 0.4s --shutter 20ms
   candela render fox.glb -o run/%03d.png --engine raster --animation Run --sequence 30
-  candela render a.glb b.glb c.glb -o pictures/ --engine raster --size 256x256
+  candela render a.glb b.glb models/ -o pictures/ --engine raster --size 256x256
   candela render city.gltf -o city.jpg --size 3840x2160 --time 10min --stats city.json
+)";
 
-A long render refreshes its output files every few seconds. Ctrl-C stops early and keeps the picture with the samples
-or frames it has (exit code 0; 130 where pictures of a set are missing); a second Ctrl-C ends at once.
-Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work left.)";
+/// What most pictures need.
+void add_short_help(Command& command) {
+  command.short_help(
+      {"--output", "--size", "--background", "--studio", "--ground", "--quality", "--time", "--camera", "--orbit",
+       "--turntable", "--env", "--env-rotation", "--exposure", "--engine", "--quiet", "--help"},
+      R"(`candela render --help all` lists every option, `candela help demos` the built-in scenes.
+
+Examples:
+  candela render helmet.glb
+  candela render helmet.glb -o helmet.png --size 1920x1080 --quality good
+  candela render helmet.glb -o logo.png --background transparent --env sky
+  candela render helmet.glb -o frames/%03d.png --engine raster --turntable 48
+  candela render models/ -o pictures/ --engine raster --size 256x256
+
+Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work left.)");
+}
+
+/// Replaces folders by the scenes below them.
+void list_scenes_of(RenderOptions& o) {
+  const std::vector<std::string> names = std::exchange(o.scenes, {});
+  if (names.empty()) throw UsageError("SCENE is missing: what to render");
+  for (ListedScene& scene : list_scenes(names)) {
+    o.scenes.push_back(std::move(scene.name));
+    o.stems.push_back(std::move(scene.stem));
+  }
+  o.is_batch = o.scenes != names || o.scenes.size() > 1;
 }
 
 /// Several scenes, or one into a folder.
@@ -297,7 +327,7 @@ void check_batch(RenderOptions& o) {
     return name.ends_with('/') || (fs::is_directory(name) && fs::path(name).extension().empty());
   };
   const bool is_folder = o.outputs.size() == 1 && is_named_as_folder(o.outputs[0]);
-  if (o.scenes.size() == 1 && !is_folder) return;
+  if (!o.is_batch && !is_folder) return;
   if (!is_folder) throw UsageError("--output: of several scenes it is one folder: -o DIR/");
   if (o.shot.turntable) throw UsageError("--turntable: one scene at a time");
   if (o.shot.sequence) throw UsageError("--sequence: one scene at a time");
@@ -322,6 +352,12 @@ void check_outputs(RenderOptions& o) {
   std::set<std::string> seen;
   bool any_exr = false;
   for (const std::string& output : o.outputs) {
+    const std::string piped = standard_output_format(output);
+    any_exr |= piped == ".exr";
+    if (!piped.empty() && o.outputs.size() + (o.stats == "-" ? 1 : 0) > 1) {
+      throw UsageError("--output: what goes to standard output goes there alone: " + output);
+    }
+    if (!piped.empty()) continue;
     try {
       check_output_extension(output);
     } catch (const Error& error) {
@@ -402,19 +438,14 @@ void check_engine(const Command& command, const RenderOptions& o) {
 
 }  // namespace
 
-std::string default_stem(const std::string& scene) {
-  const std::string name = scene.starts_with("demo:") ? scene.substr(5) : fs::path(scene).stem().string();
-  return name.empty() ? "picture" : name;
-}
-
 std::string default_output(const RenderOptions& o, int attempt) {
   const std::string stem = default_stem(o.shot.scene) + (attempt > 1 ? fmt::format("-{}", attempt) : "");
   return o.shot.has_many_pictures() ? literal_in_pattern(stem) + "-%03d.png" : stem + ".png";
 }
 
 void add_render_options(Command& command, RenderOptions& options) {
-  command.texts("SCENE", options.scenes, "A file (" + kSceneFiles + ") or a built-in demo:NAME; several with -o DIR")
-      .required();
+  command.texts("SCENE", options.scenes,
+                "A file (" + kSceneFiles + ") or a built-in demo:NAME; several, or folders to search, with -o DIR");
   add_picture(command, options);
   add_sampling(command, options);
   add_camera(command, options);
@@ -422,19 +453,19 @@ void add_render_options(Command& command, RenderOptions& options) {
   add_light(command, options);
   add_running(command, options);
   add_raster(command, options);
-  command.footer(footer());
+  command.footer(std::string(kExamples) + kStops);
+  add_short_help(command);
 }
 
 void finish_options(const Command& command, RenderOptions& o) {
-  for (const std::string& scene : o.scenes) {
-    if (scene.empty()) throw UsageError("SCENE: the name is empty");
-  }
+  list_scenes_of(o);
   o.shot.scene = o.scenes.front();
   check_engine(command, o);
   choose_sampling(command, o);
   if (o.keeps_cache) o.shot.drawn.cache = cache_folder();
   o.shot.background = o.background.kind;
   o.shot.background_color = o.background.color;
+  o.shot.background_opacity = o.background.opacity;
   if (o.studio) {
     Shot shot;
     set_studio(*o.studio, shot);
@@ -459,6 +490,7 @@ void finish_options(const Command& command, RenderOptions& o) {
     o.shot.environment = fmt::format("sky:{}", *o.sun_elevation);
   }
   check_outputs(o);
+  check_environment_name(o.shot.environment.value_or("none"));
 }
 
 }  // namespace candela::cli

@@ -13,8 +13,10 @@ namespace candela::cli {
 
 /// Everything `candela render` was asked for.
 struct RenderOptions {
-  Shot shot;  ///< of the scene at hand
-  std::vector<std::string> scenes;
+  Shot shot;                           ///< of the scene at hand
+  std::string jobs;                    ///< a file of command lines, in place of all others
+  std::vector<std::string> scenes;     ///< files, folders replaced by what is below them
+  std::vector<std::string> stems;      ///< what the picture of each is called in a folder, ListedScene::stem
   std::vector<std::string> outputs;    ///< with a turntable patterns of names; with several scenes one folder
   bool has_default_name = false;       ///< no output was given
   bool is_batch = false;               ///< a picture of each scene into outputs[0], a folder
@@ -36,9 +38,6 @@ struct RenderOptions {
 
 /// Adds the options of `render`. They fill `options`, which must outlive the parsing.
 void add_render_options(Command& command, RenderOptions& options);
-
-/// The name that a scene's picture has unless another is given: the file's, or that of a demo.
-std::string default_stem(const std::string& scene);
 
 /// The name of its picture, or the pattern of its pictures, where none is given; a second attempt and later ones have a
 /// number.

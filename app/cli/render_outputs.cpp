@@ -49,7 +49,7 @@ Inputs inputs_of_options(const RenderOptions& o) {
 void check_overwriting(const RenderOptions& o, const Inputs& inputs) {
   std::map<std::string, fs::path> seen;
   for (const fs::path& path : all_outputs(o)) {
-    if (is_device(path)) continue;
+    if (is_device(path) || !standard_output_format(path.string()).empty()) continue;
     inputs.refuse(path);
     const auto [found, is_new] = seen.try_emplace(file_identity(path), path);
     if (!is_new) throw Error("would be written twice, also as " + found->second.string(), path.string());
@@ -110,17 +110,17 @@ class FolderNames {
 
 }  // namespace
 
-std::vector<fs::path> batch_outputs(const std::vector<std::string>& scenes, const fs::path& folder,
+std::vector<fs::path> batch_outputs(const std::vector<std::string>& stems, const fs::path& folder,
                                     const Inputs& inputs) {
   FolderNames names(folder, inputs);
-  std::vector<fs::path> outputs(scenes.size());
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const std::string own = numbered(default_stem(scenes[i]), 1);
+  std::vector<fs::path> outputs(stems.size());
+  for (std::size_t i = 0; i < stems.size(); ++i) {
+    const std::string own = numbered(stems[i], 1);
     if (names.take(own)) outputs[i] = folder / own;
   }
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
+  for (std::size_t i = 0; i < stems.size(); ++i) {
     for (int number = 2; outputs[i].empty(); ++number) {
-      const std::string name = numbered(default_stem(scenes[i]), number);
+      const std::string name = numbered(stems[i], number);
       if (names.take(name)) outputs[i] = folder / name;
     }
   }

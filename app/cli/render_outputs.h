@@ -26,10 +26,10 @@ void check_overwriting(const RenderOptions& options, const Inputs& inputs);
 /// Where nobody gave a name: the first that is no input.
 void choose_default_name(RenderOptions& options, const Inputs& inputs);
 
-/// The pictures of several scenes in one folder. The first scene of a name has NAME.png; what comes later of that name,
-/// or would overwrite an input, has NAME-2.png, NAME-3.png, …: the first that no other scene has, ignoring case. What
-/// the folder holds already does not count, so that the same command gives the same names again.
-std::vector<std::filesystem::path> batch_outputs(const std::vector<std::string>& scenes,
+/// The pictures of several scenes in one folder, by their stems: NAME.png. What comes later of that name, or would
+/// overwrite an input, has NAME-2.png, NAME-3.png, …: the first that no other scene has, ignoring case. What the folder
+/// holds already does not count, so that the same command gives the same names again.
+std::vector<std::filesystem::path> batch_outputs(const std::vector<std::string>& stems,
                                                  const std::filesystem::path& folder, const Inputs& inputs);
 
 /// A name in that folder that no input has: of one scene, as above.

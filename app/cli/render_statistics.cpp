@@ -9,6 +9,8 @@
 
 #include "base/file.h"
 #include "candela/candela.h"
+#include "cli/json_text.h"
+#include "cli/output.h"
 #include "cli/verbs.h"
 
 namespace candela::cli {
@@ -83,8 +85,7 @@ std::string stats_json(const RenderOptions& o, const path::Statistics& s, const 
       {"noise", noise_json(o, s)},
       {"warnings", nlohmann::ordered_json::array()}};
   for (const Diagnostic& warning : diagnostics.warnings()) json["warnings"].push_back(warning.text());
-  // File names are bytes, JSON is UTF-8: what is not becomes a replacement character.
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string stats_json(const RenderOptions& o, const raster::Statistics& s, const Times& times,
@@ -119,14 +120,13 @@ std::string stats_json(const RenderOptions& o, const raster::Statistics& s, cons
                               {"interrupted", s.interrupted},
                               {"warnings", nlohmann::ordered_json::array()}};
   for (const Diagnostic& warning : diagnostics.warnings()) json["warnings"].push_back(warning.text());
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 void write_stats(const RenderOptions& o, const std::string& json) {
-  if (*o.stats == "-")
-    print(json);
-  else
-    write_file(*o.stats, json);
+  if (*o.stats == "-") return print(json);
+  const FolderFor folder(*o.stats);
+  write_file(*o.stats, json);
 }
 
 }  // namespace candela::cli

@@ -149,23 +149,37 @@ vec3 parse_vec3(const std::string& text) {
   return {v[0], v[1], v[2]};
 }
 
+namespace {
+
+/// CSS Color 4, §5.2: "#rgb", "#rgba", "#rrggbb" or "#rrggbbaa". Linear colour, and alpha.
+std::optional<vec4> hex_color(const std::string& text) {
+  const std::size_t digits = text.size() - 1;
+  if (digits != 3 && digits != 4 && digits != 6 && digits != 8) return std::nullopt;
+  const std::size_t each = digits < 6 ? 1 : 2;
+  std::array<float, 4> channels{0.0f, 0.0f, 0.0f, 1.0f};
+  for (std::size_t i = 0; i * each < digits; ++i) {
+    const char* begin = text.data() + 1 + i * each;
+    unsigned code = 0;
+    if (std::from_chars(begin, begin + each, code, 16).ptr != begin + each) return std::nullopt;
+    channels[i] = static_cast<float>(each == 1 ? 17 * code : code) / 255.0f;
+  }
+  return vec4(srgb_to_linear(channels[0]), srgb_to_linear(channels[1]), srgb_to_linear(channels[2]), channels[3]);
+}
+
+}  // namespace
+
 vec3 parse_color(const std::string& text) {
   if (text == "black") return vec3(0.0f);
   if (text == "white") return vec3(1.0f);
   if (text == "grey" || text == "gray") return vec3(0.18f);  // a photographer's grey card
   if (text.starts_with('#')) {
-    unsigned rgb = 0;
-    const char* end = text.data() + text.size();
-    if (text.size() != 7 || std::from_chars(text.data() + 1, end, rgb, 16).ptr != end) {
-      throw UsageError(fmt::format("'{}' is not a colour #rrggbb", text));
-    }
-    const auto channel = [&](unsigned shift) {
-      return srgb_to_linear(static_cast<float>((rgb >> shift) & 0xffu) / 255.0f);
-    };
-    return {channel(16), channel(8), channel(0)};
+    const std::optional<vec4> color = hex_color(text);
+    if (!color) throw UsageError(fmt::format("'{}' is no colour #rgb or #rrggbb", text));
+    if (color->w != 1.0f) throw UsageError(fmt::format("'{}' has an alpha, which counts for nothing here", text));
+    return {color->x, color->y, color->z};
   }
   if (text.find(',') == std::string::npos) {
-    throw UsageError(fmt::format("'{}' is no colour: give #rrggbb, r,g,b, black, grey or white", text));
+    throw UsageError(fmt::format("'{}' is no colour: give #rgb, #rrggbb, r,g,b, black, grey or white", text));
   }
   const vec3 color = parse_vec3(text);
   if (color.x < 0.0f || color.y < 0.0f || color.z < 0.0f) throw UsageError(fmt::format("'{}' is negative", text));
@@ -244,7 +258,10 @@ FalloffChoice parse_falloff(const std::string& text) {
 BackgroundChoice parse_background(const std::string& text) {
   if (text == "env") return {Background::environment};
   if (text == "transparent") return {Background::transparent};
-  return {Background::transparent, parse_color(text)};
+  const std::optional<vec4> color = text.starts_with('#') ? hex_color(text) : std::nullopt;
+  if (!color) return {Background::transparent, parse_color(text)};
+  if (color->w == 0.0f) return {Background::transparent};
+  return {Background::transparent, vec3(*color), color->w};
 }
 
 GroundChoice parse_ground(const std::string& text) {

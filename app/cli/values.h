@@ -27,7 +27,7 @@ std::uint64_t parse_bytes(const std::string& text);  ///< "2GB", "512M", "64MiB"
 float parse_angle(const std::string& text);          ///< radians from "45", "45deg", "0.8rad"
 float parse_field_of_view(const std::string& text);  ///< an angle between 0 and 180 degrees
 vec3 parse_vec3(const std::string& text);            ///< "x,y,z"
-vec3 parse_color(const std::string& text);           ///< linear from "#rrggbb" (sRGB), "r,g,b" (linear) or a name
+vec3 parse_color(const std::string& text);           ///< linear from "#rgb", "#rrggbb" (sRGB), "r,g,b" or a name
 Orbit parse_orbit(const std::string& text);          ///< "azimuth,elevation[,distance]", degrees
 std::set<Layer> parse_layers(const std::string& text);
 path::PixelFilter parse_filter(const std::string& text);
@@ -37,7 +37,9 @@ shade::ShadingModel parse_shading(const std::string& text);
 struct BackgroundChoice {
   Background kind = Background::environment;
   std::optional<vec3> color = {};  ///< linear; shows through where the film is transparent
+  float opacity = 1.0f;            ///< of that colour
 };
+/// A colour may have an alpha here: "#rgba", "#rrggbbaa".
 BackgroundChoice parse_background(const std::string& text);
 /// Whether glass shows the environment.
 bool parse_glass(const std::string& text);

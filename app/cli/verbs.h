@@ -12,6 +12,7 @@ namespace candela::cli {
 /// Each verb adds its options to its command and returns what to do when the user names it.
 using Verb = std::function<void()>;
 Verb add_render(Command& command);
+Verb add_preview(Command& command);
 Verb add_info(Command& command);
 Verb add_furnace(Command& command);
 Verb add_bake(Command& command);
@@ -28,6 +29,7 @@ struct VerbInfo {
 /// What `candela` can do: a verb is a row here, and a file.
 inline constexpr auto kVerbs = std::to_array<VerbInfo>({
     {"render", "Render a glTF scene to a picture", add_render},
+    {"preview", "Show a model at one glance: four views, size, materials, findings", add_preview},
     {"info", "Say what a scene, an image or a texture file holds", add_info},
     {"furnace", "Measure what the materials do with light", add_furnace},
     {"bake", "Image-based light for engines, with its error measured", add_bake},

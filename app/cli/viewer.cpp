@@ -15,6 +15,7 @@
 #include "candela/candela.h"
 #include "cli/output.h"
 #include "cli/render_outputs.h"
+#include "cli/scene_list.h"
 #include "cli/values.h"
 #include "content/make_environment.h"
 #include "gl/window.h"

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "base/file.h"
@@ -41,7 +43,9 @@ void follow_profile(std::optional<int> size, std::optional<int> levels, BakeOrde
   const ibl::Profile& profile = *order.profile;
   ibl::BakeSettings& s = order.settings;
   s.size = size.value_or(profile.size);
-  s.levels = levels.value_or(profile.levels);
+  // Of what the engine filters itself nothing but level 0 is written; a small cube has fewer.
+  const int most = std::bit_width(static_cast<unsigned>(s.size));
+  s.levels = levels.value_or(profile.is_filtered ? std::min(profile.levels, most) : 1);
   s.roughness.clear();
   for (int level = 0; level < s.levels; ++level) {
     s.roughness.push_back(static_cast<double>(ibl::roughness_of_level(profile, level, s.levels, s.size)));

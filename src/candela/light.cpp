@@ -84,6 +84,7 @@ LoadedLight load_light(const LightChoice& choice, int size, const Job& job) {
   }
   const bool is_built_in = is_built_in_environment(choice.environment);
   EnvironmentFile file;
+  check_environment_name(choice.environment);
   if (!is_built_in) file = read_clean_environment(choice.environment, choice.axes);
   for (const Diagnostic& warning : file.warnings) warn(job, warning);
   if (!file.cube.empty()) {

@@ -163,6 +163,7 @@ void Take::warn(std::string message) const {
 void Take::choose_moments() {
   const bool is_asked = shot_.moment_s || shot_.animation || shot_.shutter_s > 0.0 || shot_.sequence;
   const bool is_animated = asset_.is_animated();
+  if (shot_.sequence && !is_animated) throw Error("nothing in " + shot_.scene + " is animated", "--sequence");
   if (is_asked && !is_animated && !shot_.animation) warn("nothing in it is animated: shown as it stands");
   is_moving_ = is_asked && (is_animated || shot_.animation);
   const double first = shot_.moment_s.value_or(0.0);
@@ -270,6 +271,26 @@ Scene Take::scene_at(double moment_s) {
   return scene;
 }
 
+/// What does not move may be there from an earlier take.
+std::shared_ptr<const Scene> Take::first_scene() {
+  const auto make = [&] { return scene_at(moments_s_[0]); };
+  if (is_moving_) return std::make_shared<const Scene>(make());
+  std::string key = scene_key(asset_.files(), shot_.scene, shot_.load) + (shot_.ignores_planes ? "no planes " : "");
+  if (shot_.falloff) {
+    key += fmt::format("{} {}", static_cast<int>(shot_.falloff->kind),
+                       vec3_text(shot_.falloff->polynomial.value_or(vec3(-1))));
+  }
+  return stage_->scenes().scene(key, make, diagnostics_);
+}
+
+path::Tracer Take::new_tracer(std::shared_ptr<const Scene> scene) {
+  const shade::ShadingModel& m = shot_.shading;
+  const std::string key = fmt::format("{} {} {} {} {} {} {} {} {} {} {}", shot_.environment.value_or(""),
+                                      environment_.name, environment_.rotation, environment_.intensity, m.distribution,
+                                      m.masking, m.fresnel, m.diffuse, m.blend, m.multiscatter, m.literal_layers);
+  return stage_->scenes().tracer(scene, key, [&] { return path::Tracer(scene, environment_, shot_.shading); });
+}
+
 /// The view of picture `index` in a scene of another moment.
 View Take::view_at(const Scene& scene, std::size_t index) const {
   if (!has_own_camera_) return views_[std::min(index, views_.size() - 1)];
@@ -282,7 +303,7 @@ View Take::view_at(const Scene& scene, std::size_t index) const {
 void Take::prepare() {
   if (is_prepared_) return;
   choose_moments();
-  scene_ = std::make_shared<const Scene>(scene_at(moments_s_[0]));
+  scene_ = first_scene();
   if (!is_moving_) asset_.release();
   const bool has_own_light = !shot_.environment && scene_->image_light.has_value();
   environment_ = has_own_light
@@ -309,6 +330,7 @@ void Take::prepare() {
     develop_.tone_curve = ToneCurve::linear;
   }
   develop_.background = shot_.background_color;
+  develop_.background_opacity = shot_.background_opacity;
   choose_denoiser();
   is_prepared_ = true;
 }
@@ -396,8 +418,7 @@ Film Take::trace_one(std::size_t index, const Job& job, path::Statistics& statis
   if (has_moved) tracer_.reset();  // before there is another
   double build_s = 0.0;
   if (!tracer_) {
-    tracer_.emplace(has_moved ? std::make_shared<const Scene>(scene_at(moments_s_[index])) : scene_, environment_,
-                    shot_.shading);
+    tracer_.emplace(new_tracer(has_moved ? std::make_shared<const Scene>(scene_at(moments_s_[index])) : scene_));
     build_s = tracer_->build_s();
   }
   Film film = tracer_->render(view_at(tracer_->scene(), index), settings_of_trace(), job, &statistics);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "candela/candela.h"
+#include "candela/scene_keep.h"
 #include "denoise/denoise.h"
 
 /// Recipes: the description of a picture, or of a set of them, for either engine, from the file to the exposure.
@@ -86,6 +87,7 @@ struct Shot {
   std::optional<std::optional<float>> exposure = {};  ///< a factor, or empty: metered
   ToneCurve tone_curve = ToneCurve::pbr_neutral;
   float bloom = 0.0f;
+  float background_opacity = 1.0f;            ///< of that colour
   std::optional<vec3> background_color = {};  ///< linear; shows through where the picture is transparent
 
   bool has_many_pictures() const { return turntable || sequence; }
@@ -161,6 +163,8 @@ class Stage {
   const Environment& environment(const std::string& name, Diagnostics* diagnostics = nullptr);
   /// Opened by the first call. Throws Error without OpenGL.
   std::shared_ptr<raster::Device> device();
+  /// Of the takes on this stage, none unless it is given a capacity.
+  SceneKeep& scenes() { return scenes_; }
 
  private:
   struct Loaded {
@@ -169,6 +173,7 @@ class Stage {
   };
   std::map<std::string, Loaded> environments_;
   std::shared_ptr<raster::Device> device_;
+  SceneKeep scenes_;
 };
 
 /// One picture of a take.
@@ -221,6 +226,8 @@ class Take {
   void set_lens(const Scene& scene, View& view) const;
   Scene scene_at(double moment_s);
   Ground ground_of(const Scene& scene) const;
+  std::shared_ptr<const Scene> first_scene();
+  path::Tracer new_tracer(std::shared_ptr<const Scene> scene);
   View view_at(const Scene& scene, std::size_t index) const;
   std::map<std::string, std::string> metadata(double samples_per_pixel, bool is_denoised) const;
   void take_noise_out(TakenPicture& picture, const Job& job) const;

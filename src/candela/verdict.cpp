@@ -76,49 +76,50 @@ std::vector<NamedFinding> causes(const std::string& name, const LoadOptions& opt
 }
 
 /// What a variant's materials add to the findings of those that primitives name themselves.
-void add_variant(const std::string& name, LoadOptions options, const std::string& variant, Verdict& verdict) {
+void add_variant(const std::string& name, LoadOptions options, const std::string& variant, const check::Limits& limits,
+                 Verdict& verdict) {
   Diagnostics diagnostics;
   options.variant = variant;
   const Scene scene = io::load_gltf(name, diagnostics, options);
   const auto key = [](const NamedFinding& t) { return t.finding.code + '\n' + t.material + '\n' + t.finding.message; };
   std::set<std::string> known;
   for (const NamedFinding& t : verdict.findings) known.insert(key(t));
-  for (NamedFinding& own : named(scene, nullptr, check::check_asset({.scene = scene}))) {
+  for (NamedFinding& own : named(scene, nullptr, check::check_asset({.scene = scene, .limits = limits}))) {
     if (known.contains(key(own))) continue;
     own.finding.subject += (own.finding.subject.empty() ? "" : ", ") + fmt::format("variant '{}'", variant);
     verdict.findings.push_back(std::move(own));
   }
 }
 
-Verdict judge_file(const std::string& name, const LoadOptions& options, const Job& job) {
-  try {
-    Diagnostics diagnostics;
-    io::FileInfo info;
-    const Scene scene = io::load_gltf(name, diagnostics, options, &info);
-    // Of an image that did not decode the survey says so, too.
-    const bool has_lost_images =
-        std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
-                    [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
-    const FileSurvey survey = io::survey_gltf(
-        name,
-        {.decode_images = has_lost_images, .root = options.root, .scene = options.scene, .measures = options.measures});
-    Verdict verdict = verdict_of(name,
-                                 {.scene = scene,
-                                  .survey = &survey,
-                                  .extensions_used = info.extensions_used,
-                                  .extensions_ignored = info.extensions_ignored,
-                                  .extensions_missing = info.extensions_missing,
-                                  .warnings = diagnostics.warnings(),
-                                  .notes = diagnostics.notes()},
-                                 job);
-    for (const std::string& variant : info.variants) add_variant(name, options, variant, verdict);
-    std::stable_sort(
-        verdict.findings.begin(), verdict.findings.end(),
-        [](const NamedFinding& a, const NamedFinding& b) { return a.finding.severity > b.finding.severity; });
-    return verdict;
-  } catch (const Error& error) {
-    return {name, error.what(), causes(name, options, error)};
-  }
+JudgedScene judge_file(const std::string& name, const LoadOptions& options, const Job& job,
+                       const check::Limits& limits) {
+  JudgedScene judged;
+  Diagnostics diagnostics;
+  const io::FileInfo& info = judged.info;
+  judged.scene = io::load_gltf(name, diagnostics, options, &judged.info);
+  // Of an image that did not decode the survey says so, too.
+  const bool has_lost_images =
+      std::any_of(diagnostics.warnings().begin(), diagnostics.warnings().end(),
+                  [](const Diagnostic& w) { return w.where.find("#/images/") != std::string::npos; });
+  const FileSurvey survey = io::survey_gltf(
+      name,
+      {.decode_images = has_lost_images, .root = options.root, .scene = options.scene, .measures = options.measures});
+  Verdict& verdict = judged.verdict;
+  verdict = verdict_of(name,
+                       {.scene = judged.scene,
+                        .survey = &survey,
+                        .extensions_used = info.extensions_used,
+                        .extensions_ignored = info.extensions_ignored,
+                        .extensions_missing = info.extensions_missing,
+                        .warnings = diagnostics.warnings(),
+                        .notes = diagnostics.notes(),
+                        .limits = limits},
+                       job);
+  for (const std::string& variant : info.variants) add_variant(name, options, variant, limits, verdict);
+  std::stable_sort(verdict.findings.begin(), verdict.findings.end(), [](const NamedFinding& a, const NamedFinding& b) {
+    return a.finding.severity > b.finding.severity;
+  });
+  return judged;
 }
 
 bool is_scene_file(const fs::path& path) {
@@ -129,11 +130,32 @@ bool is_scene_file(const fs::path& path) {
 
 }  // namespace
 
-Verdict judge(const std::string& name, const LoadOptions& options, const Job& job) {
+JudgedScene judge_scene(const std::string& name, const LoadOptions& options, const Job& job,
+                        const check::Limits& limits) {
   const StopScope scope(job.stop);
-  if (!name.starts_with("demo:")) return judge_file(name, options, job);
-  const Scene scene = load(name, nullptr, options);
-  return verdict_of(name, {.scene = scene}, job);
+  if (!name.starts_with("demo:")) return judge_file(name, options, job, limits);
+  JudgedScene judged;
+  judged.scene = load(name, nullptr, options);
+  judged.verdict = verdict_of(name, {.scene = judged.scene, .limits = limits}, job);
+  return judged;
+}
+
+Verdict judge(const std::string& name, const LoadOptions& options, const Job& job, const check::Limits& limits) {
+  const StopScope scope(job.stop);
+  try {
+    return judge_scene(name, options, job, limits).verdict;
+  } catch (const Error& error) {
+    if (name.starts_with("demo:")) throw;
+    return {name, error.what(), causes(name, options, error)};
+  }
+}
+
+KnownFinding identity_of(const std::string& file, const NamedFinding& finding) {
+  return {file, finding.finding.code, finding.material, finding.texture, finding.finding.subject};
+}
+
+std::size_t leave_out(const std::function<bool(const NamedFinding&)>& is_left_out, Verdict& verdict) {
+  return std::erase_if(verdict.findings, is_left_out);
 }
 
 std::vector<std::string> scenes_below(const fs::path& folder) {

@@ -50,13 +50,14 @@ std::vector<Finding> check_asset(const CheckInput& input, const Job& job) {
   begin(0, "the file");
   const std::vector<MaterialSurface> surfaces = material_surfaces(scene);
   check_file(input, findings);
+  check_size(input, findings);
   begin(1, "textures");
   check_textures(scene, surfaces, findings);
   check_texture_files(input, findings);
   begin(2, "normal maps");
   check_normal_maps(scene, surfaces, findings);
   begin(3, "surfaces");
-  check_surfaces(scene, surfaces, findings);
+  check_surfaces(scene, surfaces, input.limits, findings);
   begin(4, "bodies");
   check_volumes(scene, findings);
   begin(5, "lights");

@@ -35,6 +35,28 @@ struct Finding {
   std::vector<std::pair<std::string, double>> measured = {};
 };
 
+/// Above and below what something is told; each is a row of limit_rows(). What bounds an asset's size is unlimited.
+struct Limits {
+  double brightest_albedo = 0.9;         ///< white paint has 0.85
+  double darkest_albedo = 0.02;          ///< charcoal
+  double darkest_metal = 0.4;            ///< four fifths of tungsten
+  double least_roughness = 0.02;         ///< facets of a ten-thousandth
+  double triangles = kInfinity;          ///< of all meshes
+  double materials = kInfinity;          ///< that the file has
+  double texture_size = kInfinity;       ///< texels, of the longer side
+  double texture_megabytes = kInfinity;  ///< of all images, decoded, in 10⁶ bytes
+};
+struct LimitRow {
+  const char* name;  ///< the finding's code
+  double Limits::*limit;
+  double low, high;  ///< what it may be
+};
+/// What Limits has, by the findings' codes.
+std::span<const LimitRow> limit_rows();
+
+/// All codes of findings, sorted.
+std::span<const std::string> finding_codes();
+
 /// What is known of an asset. Whatever a file alone can tell is empty for scenes made in code.
 struct CheckInput {
   const Scene& scene;
@@ -44,6 +66,7 @@ struct CheckInput {
   std::vector<std::string> extensions_missing = {};  ///< required, but not supported
   std::span<const Diagnostic> warnings = {};         ///< of the loader
   std::span<const Diagnostic> notes = {};            ///< of the loader
+  Limits limits = {};
 };
 
 /// Judges surfaces, textures, bodies, lights and the file. The same scene gives the same findings in the same order,

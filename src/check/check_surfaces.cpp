@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
 
 #include "base/parallel.h"
 #include "check/check_parts.h"
@@ -18,16 +19,11 @@ namespace candela::check {
 
 namespace {
 
-// Diffuse reflectance of real matter: from charcoal and fresh asphalt to white paint.
-constexpr float kDarkestAlbedo = 0.02f;
-constexpr float kBrightestAlbedo = 0.9f;
 // Below three codes of sRGB: what black glass and the best velvet have, and what is left black by mistake.
 constexpr float kBlackest = 0.001f;
 // Below and above these `metallic` means a dielectric and a metal; between them it is a blend of both.
 constexpr float kDielectric = 0.1f;
 constexpr float kMetal = 0.9f;
-// alpha = roughness² below which no polish comes: facets of a ten-thousandth.
-constexpr float kMirrorRoughness = 0.02f;
 constexpr float kNoOcclusion = 0.02f;
 // Shares of a material's surface below which a finding is a seam, a letter or a crevice.
 constexpr double kWorthTelling = 0.1;
@@ -107,7 +103,8 @@ struct Tally {
 };
 
 struct Tallies {
-  double all = 0.0;  ///< weight
+  double all = 0.0;               ///< weight
+  double paper = 0.0, ink = 0.0;  ///< weight of what is nearly white, and nearly black
   Tally too_bright, too_dark, metal, dark_metal, between, mirror, occluded;
   double least_opacity = 1.0;
 };
@@ -119,22 +116,26 @@ bool shows_albedo(const Reading& r) {
   return r.metallic <= kDielectric && r.specular <= kMostSpecular && r.transmission <= 0.5f;
 }
 
-void count(const Material& m, const Reading& r, Tallies& t) {
+void count(const Material& m, const Reading& r, const Limits& limits, Tallies& t) {
+  constexpr float kPaper = 0.7f, kInk = 0.05f;
   const double w = r.opacity;
   const float y = luminance(r.base_color);
   t.all += w;
   t.least_opacity = std::min(t.least_opacity, static_cast<double>(r.opacity));
   if (shows_albedo(r)) {
-    if (y > kBrightestAlbedo) t.too_bright.add(w, y);
+    t.paper += y > kPaper ? w : 0.0;
+    t.ink += y < kInk ? w : 0.0;
+    if (y > static_cast<float>(limits.brightest_albedo)) t.too_bright.add(w, y);
     // What glows or has pile gives light in another way.
-    if (max_component(r.base_color) < kDarkestAlbedo && !r.glows && !r.has_sheen) t.too_dark.add(w, y);
+    if (max_component(r.base_color) < static_cast<float>(limits.darkest_albedo) && !r.glows && !r.has_sheen)
+      t.too_dark.add(w, y);
   }
   if (r.metallic >= kMetal && !m.is_conductor()) {
     t.metal.add(w, y);
   } else if (r.metallic > kDielectric && r.metallic < kMetal) {
     t.between.add(w, r.metallic);
   }
-  if (r.roughness < kMirrorRoughness && r.transmission <= 0.5f) t.mirror.add(w, r.roughness);
+  if (r.roughness < static_cast<float>(limits.least_roughness) && r.transmission <= 0.5f) t.mirror.add(w, r.roughness);
   if (r.occlusion < kNoOcclusion) t.occluded.add(w, r.occlusion);
 }
 
@@ -164,8 +165,10 @@ Finding finding(Severity severity, const char* code, int material, double share,
 
 class MaterialJudge {
  public:
-  MaterialJudge(const Scene& scene, int index, const MaterialSurface& surface, std::vector<Finding>& findings)
-      : material_(scene.materials[static_cast<std::size_t>(index)]),
+  MaterialJudge(const Scene& scene, int index, const MaterialSurface& surface, const Limits& limits,
+                std::vector<Finding>& findings)
+      : limits_(limits),
+        material_(scene.materials[static_cast<std::size_t>(index)]),
         index_(index),
         base_texture_(material_.base_color_texture.texture),
         points_(samples_per_material(scene.materials.size())),
@@ -174,9 +177,11 @@ class MaterialJudge {
     for (std::uint32_t i = 0; i < points_; ++i) {
       const SurfaceSample point = surface.sample(i);
       if (point.is_normal_turned()) ++turned_;
+      if (is_flat_ && !lies_flat(point)) is_flat_ = false;
       const Reading r = reader.at(point);
-      count(material_, r, t_);
-      if (r.metallic >= kMetal && !material_.is_conductor() && luminance(r.base_color) < darkest_allowed()) {
+      count(material_, r, limits_, t_);
+      if (r.metallic >= kMetal && !material_.is_conductor() &&
+          luminance(r.base_color) < static_cast<float>(limits_.darkest_metal)) {
         t_.dark_metal.add(r.opacity, luminance(r.base_color));
       }
     }
@@ -195,12 +200,6 @@ class MaterialJudge {
     judge_rest();
   }
 
-  /// A fifth below the darkest measured metal: thin oxide and grease are forgiven.
-  static float darkest_allowed() {
-    static const float limit = 0.8f * darkest_metal().luminance;
-    return limit;
-  }
-
  private:
   double share(const Tally& tally) const { return tally.weight / t_.all; }
   void add(Finding f, int texture, const Tally& tally) {
@@ -210,16 +209,21 @@ class MaterialJudge {
     f.measured.emplace_back("most", tally.most);
     findings_.push_back(std::move(f));
   }
+  bool lies_flat(const SurfaceSample& point);
+  bool is_label() const;
   void judge_normals();
   void judge_albedo();
   void judge_metal();
   void judge_rest();
 
+  const Limits& limits_;
   const Material& material_;
   int index_;
   int base_texture_;
   std::uint32_t points_;
   std::uint32_t turned_ = 0;  ///< points whose normal looks to the back
+  bool is_flat_ = true;       ///< so far every primitive lies in a plane
+  std::map<const Primitive*, vec3> planes_;
   std::vector<Finding>& findings_;
   Tallies t_;
 };
@@ -233,23 +237,44 @@ void MaterialJudge::judge_normals() {
   findings_.push_back(std::move(f));
 }
 
+bool MaterialJudge::lies_flat(const SurfaceSample& point) {
+  constexpr float kParallel = 0.9999f;  // within a degree
+  const std::vector<vec3>& corners = point.primitive->positions;
+  const uvec3 t = point.triangle;
+  const vec3 cross = glm::cross(corners[t.y] - corners[t.x], corners[t.z] - corners[t.x]);
+  const float length = glm::length(cross);
+  if (!(length > 0.0f)) return true;
+  const auto [plane, is_first] = planes_.try_emplace(point.primitive, cross / length);
+  return is_first || std::abs(glm::dot(plane->second, cross)) > kParallel * length;
+}
+
+/// Print on a chart: a picture on flat primitives that is nearly all paper and some ink, or the reverse. Its black and
+/// white are those of the display that it was drawn for; nobody took them for a measured albedo.
+bool MaterialJudge::is_label() const {
+  constexpr double kMostly = 0.7, kTraces = 0.005, kBoth = 0.85;
+  const double paper = t_.paper / t_.all, ink = t_.ink / t_.all;
+  const double least = std::min(paper, ink), most = std::max(paper, ink);
+  return base_texture_ >= 0 && is_flat_ && least > kTraces && most > kMostly && least + most > kBoth;
+}
+
 void MaterialJudge::judge_albedo() {
+  if (is_label()) return;
   if (share(t_.too_bright) > kWorthTelling) {
     Finding f = finding(Severity::warning, "albedo-too-bright", index_, share(t_.too_bright),
                         fmt::format("base colour of luminance {:.2f} where it is no metal; only fresh snow and pressed "
-                                    "white powders return more than {:.1f}",
-                                    t_.too_bright.mean(), kBrightestAlbedo));
-    f.measured.emplace_back("limit", kBrightestAlbedo);
+                                    "white powders return more than {:.2g}",
+                                    t_.too_bright.mean(), limits_.brightest_albedo));
+    f.measured.emplace_back("limit", limits_.brightest_albedo);
     add(std::move(f), base_texture_, t_.too_bright);
   }
   if (share(t_.too_dark) > kWorthTelling) {
     const Severity severity = t_.too_dark.mean() < kBlackest ? Severity::warning : Severity::note;
     Finding f =
         finding(severity, "albedo-too-dark", index_, share(t_.too_dark),
-                fmt::format("base colour of luminance {:.3f} where it is no metal; charcoal returns {:.2f}, only black "
+                fmt::format("base colour of luminance {:.3f} where it is no metal; charcoal returns 0.02, only black "
                             "glass, lacquer and velvet less",
-                            t_.too_dark.mean(), kDarkestAlbedo));
-    f.measured.emplace_back("limit", kDarkestAlbedo);
+                            t_.too_dark.mean()));
+    f.measured.emplace_back("limit", limits_.darkest_albedo);
     add(std::move(f), base_texture_, t_.too_dark);
   }
 }
@@ -264,7 +289,7 @@ void MaterialJudge::judge_metal() {
     f.fix = material_.metallic == 1.0f && !material_.metallic_roughness_texture
                 ? "metallicFactor 0, if it is no metal (in glTF it is 1 unless given)"
                 : "where it is paint, rust or dirt, metallic is 0";
-    f.measured.emplace_back("limit", darkest_allowed());
+    f.measured.emplace_back("limit", limits_.darkest_metal);
     f.measured.emplace_back("metal_share", share(t_.metal));
     add(std::move(f), base_texture_, t_.dark_metal);
   }
@@ -281,7 +306,7 @@ void MaterialJudge::judge_rest() {
   if (share(t_.mirror) > kLarge) {
     Finding f =
         finding(Severity::note, "roughness-zero", index_, share(t_.mirror),
-                fmt::format("roughness below {}: a perfect mirror, smoother than any polish", kMirrorRoughness));
+                fmt::format("roughness below {}: a perfect mirror, smoother than any polish", limits_.least_roughness));
     add(std::move(f), material_.metallic_roughness_texture.texture, t_.mirror);
   }
   if (material_.occlusion_texture && material_.occlusion_strength > 0.0f && share(t_.occluded) > kNearlyAll) {
@@ -358,13 +383,14 @@ void judge_factors(const Material& m, int index, std::vector<Finding>& findings)
 
 }  // namespace
 
-void check_surfaces(const Scene& scene, const std::vector<MaterialSurface>& surfaces, std::vector<Finding>& findings) {
+void check_surfaces(const Scene& scene, const std::vector<MaterialSurface>& surfaces, const Limits& limits,
+                    std::vector<Finding>& findings) {
   std::vector<std::vector<Finding>> of_material(surfaces.size());
   parallel_for(0, surfaces.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Material& material = scene.materials[i];
       if (surfaces[i].empty() || material.unlit) continue;
-      MaterialJudge(scene, static_cast<int>(i), surfaces[i], of_material[i]).judge();
+      MaterialJudge(scene, static_cast<int>(i), surfaces[i], limits, of_material[i]).judge();
       find_hidden_textures(material, static_cast<int>(i), of_material[i]);
       judge_factors(material, static_cast<int>(i), of_material[i]);
     }

@@ -1,9 +1,11 @@
 #include "content/make_environment.h"
 
+#include <array>
 #include <charconv>
 #include <filesystem>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "content/builtin_environment.h"
 #include "image/cube_file.h"
 
@@ -34,6 +36,7 @@ Image without_alpha(Image image) {
 }
 
 Environment load_environment(const std::string& path, Diagnostics* diagnostics) {
+  check_environment_name(path);
   EnvironmentFile file = read_clean_environment(path);
   if (file.cube.empty()) {
     check_panorama(file.panorama, path);
@@ -49,6 +52,20 @@ Environment load_environment(const std::string& path, Diagnostics* diagnostics) 
 }
 
 }  // namespace
+
+std::span<const std::string> built_in_environments() {
+  static const std::array<std::string, 5> names{"studio", "sky", "sky:DEG", "furnace", "none"};
+  return names;
+}
+
+void check_environment_name(const std::string& name) {
+  std::error_code ignored;
+  const bool is_word = name.find_first_of("./%:") == std::string::npos;
+  if (!is_word || is_built_in_environment(name) || std::filesystem::exists(name, ignored)) return;
+  std::string known;
+  for (const std::string& built_in : built_in_environments()) known += (known.empty() ? "" : ", ") + built_in;
+  throw Error("is neither a file nor one of " + known + did_you_mean(name, built_in_environments()), name);
+}
 
 bool is_built_in_environment(const std::string& name) {
   return name == "studio" || is_kind_of_studio(name) || name == "sky" || name.starts_with("sky:") || name == "furnace" || name == "none";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "base/diagnostics.h"
@@ -18,6 +19,12 @@ namespace candela {
 /// sun stands to the front right. The studio makes a white matt sphere about 1 on its lit side; key lamp front left of
 /// the default camera.
 Environment make_environment(const std::string& name_or_path, Diagnostics* diagnostics = nullptr);
+
+/// What they are called, for people: "studio", "sky:DEG"…
+std::span<const std::string> built_in_environments();
+
+/// Throws Error, listing what is built in, where a name is neither built in nor that of a file: a word was mistyped.
+void check_environment_name(const std::string& name);
 
 /// Whether a name means one of the built-in environments, and no file.
 bool is_built_in_environment(const std::string& name);

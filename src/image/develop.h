@@ -50,8 +50,9 @@ struct DevelopSettings {
   /// It is no light: neither exposure nor tone curve touch it, so the colour that was asked for is the one in the file.
   /// Empty = the picture keeps its alpha.
   std::optional<vec3> background = {};
-  float bloom = 0.0f;  ///< share of the light that the lens scatters, see bloomed()
-  bool dither = true;  ///< ±½ code value of deterministic noise before rounding to 8 bits
+  float background_opacity = 1.0f;  ///< below 1 the picture keeps the alpha that is left
+  float bloom = 0.0f;               ///< share of the light that the lens scatters, see bloomed()
+  bool dither = true;               ///< ±½ code value of deterministic noise before rounding to 8 bits
 };
 
 /// "auto" → empty; a number → 2^EV (stops); "f/8,1/125,100" → 1 / (1.2 · 2^EV100), radiance taken as cd/m².
@@ -89,8 +90,10 @@ DisplayImage develop(const Film& film, const DevelopSettings& settings);
 /// PNG keeps alpha when the film is not opaque; its header says sRGB. JPEG is quality 92, 4:4:4, alpha over black.
 void write_png(const std::filesystem::path& path, const DisplayImage& image);
 void write_jpeg(const std::filesystem::path& path, const DisplayImage& image);
+/// WebP without loss, with alpha where the picture is not opaque. Throws Error for a side above 16383.
+void write_webp(const std::filesystem::path& path, const DisplayImage& image);
 
-/// Writes `film` in the format that the extension names (.png .jpg .jpeg .hdr .exr); .hdr and .exr stay linear.
+/// Writes `film` in the format that the extension names (.png .jpg .jpeg .webp .hdr .exr); .hdr and .exr stay linear.
 void write_film(const std::filesystem::path& path, const Film& film, const DevelopSettings& settings);
 /// Most bytes that write_film takes beside a film of this size with these layers.
 std::uint64_t writing_bytes(const std::filesystem::path& path, int width, int height, const std::set<Layer>& layers);

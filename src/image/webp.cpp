@@ -1,11 +1,14 @@
 #include <webp/decode.h>
 #include <webp/demux.h>
+#include <webp/encode.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <string>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "image/codec.h"
 
 namespace candela {
@@ -107,6 +110,52 @@ TextureImage codec::decode_webp(std::span<const std::byte> bytes, const std::str
   WebPFreeDecBuffer(&config.output);
   if (status != VP8_STATUS_OK) throw Error(std::string("damaged WebP: ") + status_text(status), where);
   return image;
+}
+
+namespace {
+
+/// What is encoded, freed with it.
+class WebpPicture {
+ public:
+  explicit WebpPicture(const std::string& where) {
+    if (WebPPictureInit(&picture) == 0) throw Error("cannot start the WebP encoder", where);
+    WebPMemoryWriterInit(&writer);
+    picture.use_argb = 1;  // without loss
+    picture.writer = WebPMemoryWrite;
+    picture.custom_ptr = &writer;
+  }
+  ~WebpPicture() {
+    WebPPictureFree(&picture);
+    WebPMemoryWriterClear(&writer);
+  }
+  WebpPicture(const WebpPicture&) = delete;
+  WebpPicture& operator=(const WebpPicture&) = delete;
+
+  WebPPicture picture{};
+  WebPMemoryWriter writer{};
+};
+
+}  // namespace
+
+void write_webp(const std::filesystem::path& path, const DisplayImage& image) {
+  const std::string where = path.string();
+  if (std::max(image.width, image.height) > WEBP_MAX_DIMENSION) {
+    throw Error("a WebP has at most " + std::to_string(WEBP_MAX_DIMENSION) + " pixels a side", where);
+  }
+  // Files are about half as large as PNG's here and take three to ten times as long; higher levels take longer still.
+  constexpr int kLevel = 2;
+  WebPConfig config;
+  if (WebPConfigInit(&config) == 0 || WebPConfigLosslessPreset(&config, kLevel) == 0) {
+    throw Error("cannot start the WebP encoder", where);
+  }
+  config.exact = 1;  // colours stay where nothing covers
+  WebpPicture webp(where);
+  webp.picture.width = image.width;
+  webp.picture.height = image.height;
+  const bool is_whole = WebPPictureImportRGBA(&webp.picture, image.rgba.data(), image.width * 4) != 0 &&
+                        WebPEncode(&config, &webp.picture) != 0;
+  if (!is_whole) throw Error("cannot encode WebP: error " + std::to_string(webp.picture.error_code), where);
+  write_file(path, std::as_bytes(std::span(webp.writer.mem, webp.writer.size)));
 }
 
 }  // namespace candela

@@ -164,13 +164,45 @@ class Bake(CliTest):
             "unity": "specular.dds",
         }
         for engine, file in engines.items():
-            small = ("--size", "32", "--irradiance-size", "4", "--proof", "0", "--levels", "4")
+            small = ["--size", "32", "--proof", "0"]
+            small += ["--irradiance-size", "4"] if engine in ("khronos", "bevy") else []
+            small += ["--levels", "4"] if engine not in ("three", "godot", "unreal") else []
             report = self.succeeds("bake", "sky", "-o", engine, "--profile", engine, "--json", *small).out
             self.assertEqual(json.loads(report)["profile"], engine)
             self.assertTrue((self.folder / engine / file).is_file(), engine)
         # lod = r (2 - r) (n - 1)
         report = json.loads((self.folder / "filament/bake.json").read_text())
         self.assertAlmostEqual(report["specular"][1]["roughness"], 1 - (2 / 3) ** 0.5, 4)
+
+    def test_the_code_that_loads_a_bake_names_its_files(self):
+        names = {"filament": "specular.ktx", "three": "specular_${face}.hdr", "babylon": "specular.dds", "khronos": "specular.ktx2",
+                 "bevy": "diffuse.ktx2", "godot": "environment.exr", "unreal": "specular.dds", "unity": "specular.dds"}  # fmt: skip
+        for engine, name in names.items():
+            told = self.succeeds("bake", "sky", "-o", engine, "--profile", engine, "--size", "16", "--proof", "0").out
+            code = told.split(" loads it so:")[1]
+            self.assertIn(name, code)
+            self.assertLessEqual(code.split(" also reads")[0].count("\n"), 14)
+            filters_itself = engine in ("three", "babylon", "godot", "unreal", "unity")
+            self.assertEqual("also reads a panorama itself" in told, filters_itself, engine)
+
+    def test_what_an_engine_has_no_use_for_is_refused(self):
+        def refused(engine, *options):
+            self.refuses("bake", "sky", "-o", "out", "--profile", engine, *options, says=f"{options[0]}: {engine} ")
+
+        for engine in ("three", "godot", "unreal"):
+            refused(engine, "--levels", "4")
+            refused(engine, "--method", "zonal")
+            refused(engine, "--error", "1%")
+        for engine in ("filament", "three", "babylon", "godot", "unreal", "unity"):
+            refused(engine, "--irradiance-size", "8")
+            refused(engine, "--irradiance", "riemann")
+        for engine in ("khronos", "bevy", "godot", "unreal", "unity"):
+            refused(engine, "--window", "hann")
+        for engine in ("filament", "three", "babylon", "khronos", "bevy", "godot", "unreal", "unity"):
+            refused(engine, "--sh-order", "3")
+            refused(engine, "--sheen")
+        for engine in ("bevy", "godot", "unreal", "unity"):
+            refused(engine, "--tables")
 
     def test_what_a_scene_sees_is_baked(self):
         small = ("--size", "16", "--levels", "2", "--irradiance-size", "4", "--proof", "0", "--spp", "4")
@@ -214,7 +246,7 @@ class Bake(CliTest):
         self.fails("bake", "black.hdr", "-o", "out", says="black everywhere")
         self.fails("bake", "short.hdr", "-o", "out", says="short.hdr")
         self.fails("bake", "absent.hdr", "-o", "out", says="absent.hdr")
-        self.fails("bake", "sky", "-o", "absent/out", *SMALL, says="absent")
+        self.fails("bake", "sky", "-o", "/proc/absent/out", *SMALL, says="/proc/absent/out: cannot")
         self.fails("bake", "sky", "-o", "square.hdr", *SMALL, says="not a folder")
         (self.folder / "cube.ktx2").write_bytes(b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(20))
         self.fails("bake", "cube.ktx2", "-o", "out", says="cube.ktx2")

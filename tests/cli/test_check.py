@@ -4,6 +4,7 @@
 import base64
 import json
 import math
+import re
 import struct
 import time
 import zlib
@@ -243,6 +244,23 @@ class Surfaces(CheckTest):
         # A measured metal is what it is, whatever its base colour.
         named = pbr((0.2, 0.2, 0.2), metallic=1, extras={"candela": {"conductor": "tungsten"}})
         self.clean(self.quad_of(named))
+
+    def chart(self, paper, ink, share, bend=0.0):
+        """A quad with a picture of which `share` is ink; `bend` lifts one of its corners."""
+        asset = Asset()
+        texture = asset.texture(png(64, 64, lambda x, y: [ink] * 3 if 64 * y + x < share * 4096 else [paper] * 3))
+        corners = [(-1, -1, 0), (1, -1, 0), (1, 1, bend), (-1, 1, 0)]
+        asset.mesh(asset.material(pbr((1, 1, 1), baseColorTexture=texture)), corners, [(0, 1, 2), (0, 2, 3)],
+                   NORMAL=[(0, 0, 1)] * 4, TEXCOORD_0=[(0, 1), (1, 1), (1, 0), (0, 0)])  # fmt: skip
+        return asset
+
+    def test_print_on_a_chart_has_no_albedo(self):
+        self.clean(self.chart(255, 0, 0.1))
+        self.clean(self.chart(0, 255, 0.1))  # white on black
+        # What is curved, what has no print, and what is no print for the most part are surfaces.
+        self.only(self.chart(255, 0, 0.05, bend=1.0), "albedo-too-bright", "warning")
+        self.only(self.chart(255, 255, 0.1), "albedo-too-bright", "warning")
+        self.only(self.chart(255, 160, 0.5), "albedo-too-bright", "warning")
 
     def test_unlit_surfaces_reflect_nothing(self):
         asset = self.quad_of(pbr((0, 0, 0), metallic=1, extensions={"KHR_materials_unlit": {}}))
@@ -758,6 +776,85 @@ class Models(CheckTest):
         codes = [f["code"] for asset in found.values() for f in asset["findings"]]
         self.assertNotIn("normal-map-flipped-y", codes)
         self.assertNotIn("normal-map-srgb", codes)
+
+
+class Filters(CheckTest):
+    """What is not told, and from where on something is."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("mirror.gltf", self.quad_of(pbr(roughness=0, name="glaze")))
+        self.write("snow.gltf", self.quad_of(pbr((0.95, 0.95, 0.95))))
+
+    def write(self, name, asset):
+        (self.folder / name).parent.mkdir(exist_ok=True)
+        (self.folder / name).write_text(asset.text())
+
+    def codes(self, *arguments):
+        told = json.loads(self.succeeds("check", *arguments, "--json").out)
+        return [f["code"] for asset in told["assets"] for f in asset["findings"]]
+
+    def test_ignored_codes_are_not_told(self):
+        self.assertEqual(self.codes("."), ["roughness-zero", "albedo-too-bright"])
+        self.assertEqual(self.codes(".", "--ignore", "albedo-too-bright"), ["roughness-zero"])
+        self.assertEqual(self.codes(".", "--ignore", "albedo-too-bright,roughness-zero"), [])
+        self.succeeds("check", ".", "--strict", "--ignore", "albedo-too-bright")
+        result = self.run_candela("check", ".", "--ignore", "albedo-too-brigth")
+        self.assertEqual(result.code, 2)
+        self.assertIn("--ignore: no finding has the code 'albedo-too-brigth': did you mean albedo-too-bright?", result.err)
+
+    def test_limits_move(self):
+        self.assertEqual(self.codes("snow.gltf", "--limit", "albedo-too-bright=0.96"), [])
+        self.assertEqual(self.codes("mirror.gltf", "--limit", "roughness-zero=0"), [])
+        self.assertEqual(self.codes("mirror.gltf", "--ignore", "roughness-zero", "--limit", "too-many-triangles=2"), [])
+        many = ("--limit", "too-many-triangles=1", "--limit", "too-many-materials=0")
+        self.assertEqual(self.codes("mirror.gltf", "--ignore", "roughness-zero", *many),
+                         ["too-many-triangles", "too-many-materials"])  # fmt: skip
+        self.write("big.gltf", self.half_grey())
+        self.assertEqual(self.codes("big.gltf", "--limit", "texture-too-large=64"), [])
+        self.assertEqual(self.codes("big.gltf", "--limit", "texture-too-large=63"), ["texture-too-large"])
+        self.assertEqual(self.codes("big.gltf", "--limit", "textures-too-heavy=0.016"), ["textures-too-heavy"])
+        for text, says in {"x=1": "only albedo-too-bright", "albedo-too-bright": "is not CODE=X",
+                           "albedo-too-brigt=1": "did you mean albedo-too-bright", "albedo-too-bright=2": "not within"}.items():  # fmt: skip
+            result = self.run_candela("check", ".", "--limit", text)
+            self.assertEqual(result.code, 2, text)
+            self.assertRegex(result.err, f"--limit: .*{says}")
+
+    def half_grey(self):
+        asset = Asset()
+        texture = asset.texture(png(64, 64, lambda x, y: [100 + x, 120, 140]))
+        asset.quad(asset.material(pbr((1, 1, 1), baseColorTexture=texture)))
+        return asset
+
+    def test_what_is_known_is_not_told_again(self):
+        self.succeeds("check", ".", "--write-baseline", "kept/known.json")
+        known = json.loads((self.folder / "kept/known.json").read_text())["known_findings"]
+        self.assertEqual([entry["file"] for entry in known], ["../mirror.gltf", "../snow.gltf"])
+        self.assertEqual(self.codes(".", "--baseline", "kept/known.json"), [])
+        done = self.succeeds("check", ".", "--baseline", "kept/known.json", "--strict")
+        self.assertIn("0 errors, 0 warnings, 0 notes, 2 known\n", done.out)
+        # From another folder it means the same files; what is new is told.
+        (self.folder / "elsewhere").mkdir()
+        self.succeeds("check", str(self.folder), "--baseline", str(self.folder / "kept/known.json"), "--strict")
+        self.write("new.gltf", self.quad_of(pbr((0.96, 0.96, 0.96))))
+        self.assertEqual(self.codes(".", "--baseline", "kept/known.json"), ["albedo-too-bright"])
+        self.fails("check", ".", "--baseline", "kept/known.json", "--strict", says="0 errors and 1 warning")
+
+    def test_what_is_no_baseline_is_one_line(self):
+        self.fails("check", ".", "--baseline", "absent.json", says="absent.json: no such file")
+        for text in ("", "[]", '{"known_findings": 3}', '{"known_findings": [3]}', "{"):
+            (self.folder / "a.json").write_text(text)
+            self.fails("check", ".", "--baseline", "a.json", says="a.json: is no file of --write-baseline")
+
+    def test_every_code_is_on_the_page(self):
+        page = (candela.ROOT / "docs/check.md").read_text()
+        sources = "".join(path.read_text() for path in sorted((candela.ROOT / "src/check").glob("*.cpp")))
+        known = set(re.findall(r'"([a-z0-9-]+)"', sources.split("finding_codes()")[1].split("};")[0]))
+        self.assertGreater(len(known), 50)
+        for code in known:
+            self.assertIn(f"`{code}`", page)
+        told = set(re.findall(r'(?:code = |add\(|\w+,\s)"([a-z0-9]+(?:-[a-z0-9]+)+)"', sources))
+        self.assertLessEqual(told, known)
 
 
 if __name__ == "__main__":

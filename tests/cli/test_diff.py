@@ -51,7 +51,7 @@ class Diff(CliTest):
         self.fails("diff", "a.png", "dir", says="dir: is a folder")
         self.fails("diff", "dir", "a.png", says="a.png: is no folder")
         self.fails("diff", "dir", "dir", "-o", "map.png", says="map.png: .*page")
-        self.fails("diff", "a.png", "a.png", "-o", "absent/map.png", says="absent")
+        self.fails("diff", "a.png", "a.png", "-o", "/proc/absent/map.png", says="/proc/absent/map.png: cannot")
 
     def test_wrong_usage(self):
         self.refuses("diff", "a.png", says="SECOND")

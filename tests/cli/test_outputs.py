@@ -231,7 +231,7 @@ class Overwriting(CliTest):
         for name, color in colors.items():
             (self.folder / name).parent.mkdir(exist_ok=True)
             (self.folder / name).write_bytes(glowing_glb(*color))
-        expected = {"foo.png": "a/foo.glb", "foo-2.png": "foo-2.glb", "foo-3.png": "b/foo.glb", "FOO-4.png": "c/FOO.glb"}
+        expected = {"a-foo.png": "a/foo.glb", "foo-2.png": "foo-2.glb", "b-foo.png": "b/foo.glb", "c-FOO.png": "c/FOO.glb"}
         for engine in self.ENGINES:
             for again in range(2):  # what is there already does not change the names
                 with self.subTest(engine=engine, again=again):

@@ -19,8 +19,8 @@ class Usage(CliTest):
         self.assertIn("info", text)
         self.assertIn("figures", text)
 
-    def test_render_help_has_every_option_examples_and_scenes(self):
-        text = self.succeeds("render", "--help").out
+    def test_the_long_help_has_every_option_and_examples(self):
+        text = self.succeeds("render", "--help", "all").out
         for option in (
             "--output --scene --variant --size --quality --spp --time --noise --bounces --threads --seed --filter --integrator --camera --orbit --eye "
             "--target --fov --f-number --focus-distance --blades --vignetting --env --sun-elevation --env-rotation "
@@ -28,8 +28,28 @@ class Usage(CliTest):
         ).split():
             self.assertIn(option, text)
         self.assertIn("candela render demo:materials -o", text)
-        self.assertIn("demo:spheres", text)
         self.assertIn("Exit codes", text)
+        self.assertNotIn("{false}", text)
+
+    def test_the_short_help_fits_a_screen_and_says_where_the_rest_is(self):
+        for verb in ("render", "bake"):
+            short = self.succeeds(verb, "--help").out
+            self.assertLess(short.count("\n"), 45, short)
+            self.assertIn(f"candela {verb} --help all", short)
+            self.assertIn("--output", short)
+            whole = self.succeeds(verb, "--help", "all").out
+            self.assertGreater(whole.count("\n"), 1.5 * short.count("\n"))
+            self.assertEqual(self.succeeds("help", verb).out, short)
+            self.assertEqual(self.succeeds("help", verb, "all").out, whole)
+            self.assertEqual(self.succeeds(verb, "-h", "all").out, whole)
+        self.assertEqual(self.succeeds("help").out, self.succeeds("--help").out)
+
+    def test_demos_have_a_list_of_their_own(self):
+        demos = self.succeeds("help", "demos").out
+        self.assertIn("demo:spheres", demos)
+        self.assertIn("demo:row-ior", demos)
+        self.assertEqual(self.succeeds("--help", "demos").out, demos)
+        self.assertNotIn("demo:row-ior", self.succeeds("render", "--help", "all").out)
 
     def test_start_takes_little_time(self):
         def seconds():
@@ -44,7 +64,14 @@ class Usage(CliTest):
         self.refuses(says="no verb")
 
     def test_unknown_verb(self):
-        self.refuses("redner", "a.glb", says="redner")
+        self.refuses("redner", "a.glb", says="'redner' is no verb: did you mean render")
+        self.refuses("frobnicate", says="'frobnicate' is no verb; there are render, .* and help")
+        self.refuses("help", "rendr", says="'rendr' is no verb: did you mean render")
+
+    def test_a_file_in_place_of_a_verb_is_told_what_was_meant(self):
+        for name in ("helmet.glb", "demo:spheres", "part.STL"):
+            self.refuses(name, says=f"'{name}' is no verb: did you mean candela render {name}")
+        self.refuses(PROGRAM, says="did you mean candela info")
 
     def test_missing_scene(self):
         self.refuses("render", says="SCENE")
@@ -89,7 +116,10 @@ class Usage(CliTest):
             self.refuses("bake", "--diff", "a.ktx2", "b.ktx2", *more, says="--diff compares")
 
     def test_unknown_option(self):
-        self.refuses("render", "demo:spheres", "--sppp", "3", says="--sppp")
+        self.refuses("render", "demo:spheres", "--sppp", "3", says="render has no option --sppp: did you mean --spp")
+        self.refuses("render", "demo:spheres", "--sise=1x1", says="no option --sise: did you mean --size")
+        self.refuses("render", "demo:spheres", "--frobnicate", says="no option --frobnicate$")
+        self.refuses("bake", "sky", "--profil", "three", "-o", "a", says="did you mean --profile")
         self.refuses("info", "demo:spheres", "--size", "1x1", says="--size")
 
     def test_options_of_other_versions_are_not_taken_silently(self):
@@ -115,7 +145,7 @@ class Usage(CliTest):
             "--tonemap": ["filmic", ""],
             "--scene": [""],
             "--variant": [""],
-            "--background": ["#12345", "#gggggg", "1,2", "mauve", "-1,0,0", "nan,0,0"],
+            "--background": ["#12345", "#gggggg", "#ff", "#+1+2+3", "#1234567", "1,2", "mauve", "-1,0,0", "nan,0,0"],
             "--glass": ["none", "transparent", ""],
             "--aov": ["colour", "albedo,,normal", ""],
             "--filter": ["mitchell"],
@@ -155,7 +185,7 @@ class Usage(CliTest):
         self.refuses(*scene, "-o", "a.png", "--stats", "a.png", says="--stats")
 
     def test_output_with_an_unknown_extension(self):
-        for name in ("a.gif", "a", "a.PNG.txt", ".png"):
+        for name in ("a.gif", "a", "a.PNG.txt", ".png", "gif:-"):
             with self.subTest(name=name):
                 self.refuses("render", "demo:spheres", "-o", name, says="output")
 

@@ -213,6 +213,33 @@ TEST(unit_image_develop, a_background_is_seen_through_coloured_glass_in_its_own_
   }
 }
 
+/// Channel 0 of a picture of one colour, laid over a page in linear light.
+double over_page(const DisplayImage& image, double page) {
+  const auto decoded = [&](std::size_t i) {
+    return shade::srgb_decode_channel(static_cast<float>(image.rgba[i]) / 255.0f);
+  };
+  const double alpha = image.rgba[3] / 255.0;
+  return static_cast<double>(decoded(0)) * alpha + page * (1.0 - alpha);
+}
+
+TEST(unit_image_develop, a_background_that_shows_the_page_is_both_in_their_shares) {
+  for (const float coverage : {0.0f, 0.3f, 1.0f}) {
+    for (const float opacity : {0.25f, 0.75f}) {
+      DevelopSettings settings{.exposure = 1.0f, .tone_curve = ToneCurve::linear, .dither = false};
+      const Film film = flat_film(2, 2, vec3(0.6f, 0.2f, 0.1f), coverage);
+      const DisplayImage alone = develop(film, settings);
+      settings.background = vec3(0.1f, 0.9f, 0.5f);
+      settings.background_opacity = opacity;
+      const DisplayImage image = develop(film, settings);
+      for (const double page : {0.0, 0.4, 1.0}) {
+        const double behind = 0.1 * static_cast<double>(opacity) + page * (1.0 - static_cast<double>(opacity));
+        EXPECT_NEAR(over_page(image, page), over_page(alone, behind), 0.01) << coverage << ' ' << opacity;
+      }
+      EXPECT_EQ(image.rgba[3], std::lround(255.0f * (coverage + (1.0f - coverage) * opacity)));
+    }
+  }
+}
+
 TEST(unit_image_develop, a_plain_background_stays_plain_beside_glass) {
   const Film nothing = glass_film(vec3(0.0f), vec3(1.0f), 0.0f);
   for (const float bloom : {0.0f, 0.1f}) {
