@@ -281,8 +281,9 @@ GroundShare draw_ground_share(const Scene& scene, const Environment& environment
       std::any_of(gpu.draws().begin(), gpu.draws().end(), [&](const Draw& d) { return is_veil(gpu.material_of(d)); });
   ShadowLayers layers(has_veils);
   const auto point_of = [&](std::size_t i) {
-    const vec2 texel(static_cast<float>(i % kTexels) + 0.5f, static_cast<float>(i / kTexels) + 0.5f);
-    const vec2 xz = result.corner + result.size * texel / static_cast<float>(kTexels);
+    const std::size_t row = i / kTexels;
+    const vec2 texel(i % kTexels, row);
+    const vec2 xz = result.corner + result.size * (texel + 0.5f) / static_cast<float>(kTexels);
     return vec3(xz.x, result.height, xz.y);
   };
   for (std::size_t first = 0, end = 0; first < beams.size(); first = end) {
