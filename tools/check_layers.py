@@ -81,7 +81,7 @@ LIBRARIES = {
 PUBLIC = ("glm/", "GL")
 FREE = {"tests", "examples", "bench"}  # may use GoogleTest and whatever else they need
 
-SYSTEM = re.compile(r"^(sys/\w+|unistd|fcntl|immintrin|xmmintrin|pmmintrin|tmmintrin|dlfcn)\.h$|^[a-z_]+$")
+SYSTEM = re.compile(r"^(sys/\w+|unistd|fcntl|spawn|immintrin|xmmintrin|pmmintrin|tmmintrin|dlfcn)\.h$|^[a-z_]+$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 

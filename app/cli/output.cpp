@@ -132,7 +132,7 @@ bool is_frame_pattern(const std::string& name) { return parse_pattern(name).plac
 
 std::string frame_name(const std::string& pattern, int index) {
   const FramePattern p = parse_pattern(pattern);
-  return p.before + fmt::format("{:0{}}", index, p.digits) + p.after;
+  return p.places == 0 ? p.before : p.before + fmt::format("{:0{}}", index, p.digits) + p.after;
 }
 
 std::string literal_in_pattern(const std::string& name) {

@@ -39,7 +39,7 @@ class FolderFor {
 
 /// Whether a file's name (not that of its folder) holds one number to be filled in: %d, or %03d with leading zeros.
 bool is_frame_pattern(const std::string& name);
-/// The name of frame `index` of a pattern. %% is a %.
+/// The name of frame `index` of a pattern, or where there is no place for it the name itself. %% is a %.
 std::string frame_name(const std::string& pattern, int index);
 /// `name` with each % so that it is one in a pattern.
 std::string literal_in_pattern(const std::string& name);

@@ -11,6 +11,7 @@
 #include "base/stopwatch.h"
 #include "candela/candela.h"
 #include "candela/shot.h"
+#include "cli/films.h"
 #include "cli/interrupt.h"
 #include "cli/jobs.h"
 #include "cli/output.h"
@@ -20,6 +21,7 @@
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "image/image_file.h"
+#include "io/camera_file.h"
 
 namespace candela::cli {
 
@@ -48,8 +50,9 @@ void warn_of_formats(const RenderOptions& o, Diagnostics& diagnostics) {
       diagnostics.warn("--background's colour has no effect on linear radiance, and this format has no transparency",
                        output.string());
     }
-    const bool keeps_alpha =
-        has_extension(output, ".png") || has_extension(output, ".webp") || has_extension(output, ".exr");
+    const bool keeps_alpha = has_extension(output, ".png") || has_extension(output, ".webp") ||
+                             has_extension(output, ".exr") ||
+                             (is_film(o, output.string()) && !has_extension(output, ".mp4"));
     const bool has_alpha = !o.background.color || o.background.opacity < 1.0f;
     if (o.background.kind == Background::transparent && has_alpha && !keeps_alpha) {
       diagnostics.warn("this format has no transparency", output.string());
@@ -114,49 +117,102 @@ std::string drawn_text(const std::string& output, const RenderOptions& o, const 
                      duration_text(s.frame_s / s.frames), s.driver);
 }
 
+/// From where the pictures are taken, each known by the name of its first file.
+void write_cameras(const RenderOptions& o, const Take& take, const PictureNames& names) {
+  if (!o.written_cameras) return;
+  const fs::path folder = fs::absolute(*o.written_cameras).parent_path();
+  std::vector<PosedCamera> cameras;
+  const std::vector<View> views = take.views();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const fs::path& picture = names[i][0];
+    cameras.push_back(
+        {.name = picture.stem().string(),
+         .view = views[i],
+         .size = o.shot.size,
+         .picture = fs::absolute(picture).lexically_normal().lexically_relative(folder.lexically_normal())});
+  }
+  io::write_cameras(*o.written_cameras, cameras, o.shot.size);
+}
+
+std::vector<fs::path> stills_of(const RenderOptions& o, const std::vector<fs::path>& names) {
+  std::vector<fs::path> stills;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (!is_film(o, o.outputs[k])) stills.push_back(names[k]);
+  }
+  return stills;
+}
+
+/// A picture that was stopped half-way is no part of a film.
+void add_to_films(const RenderOptions& o, const Take& take, const TakenPicture& picture,
+                  const std::vector<fs::path>& names, Films& films) {
+  std::optional<DisplayImage> shown;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (!is_film(o, o.outputs[k]) || (!picture.is_whole() && picture.index > 0)) continue;
+    if (!shown) shown = develop(picture.film, picture.develop);
+    films.add(names[k], *shown, take.real_time_rate(picture.index));
+  }
+}
+
+/// Returns how long it took.
+double finish_films(Films& films, const Stopwatch& total, ProgressLine& progress) {
+  const Stopwatch watch;
+  for (const std::string& line : films.finish()) {
+    progress.line(fmt::format("{}, in {}", line, duration_text(total.seconds())));
+  }
+  return watch.seconds();
+}
+
 /// `prefix` tells which of several scenes it is.
 TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::shared_ptr<Stage>& stage, int threads,
                         ProgressLine& progress, const std::string& prefix = {}, Job job = {}) {
   const Stopwatch total;
   RenderOptions o = given;
   // What is wrong with a name that was given is told before anything is loaded.
-  if (!o.has_default_name) check_overwriting(o, inputs);
+  if (!o.has_default_name) check_overwriting(o, name_pictures(o, labels_before_loading(o.shot)), inputs);
   check_paths(o);
   progress.phase(prefix + "loading " + o.shot.scene);
   Diagnostics diagnostics;
   Take take(o.shot, &diagnostics, stage);
   inputs.add(take.files());
-  choose_default_name(o, inputs);
-  check_overwriting(o, inputs);
+  choose_default_name(o, take.labels(), inputs);
+  const PictureNames names = name_pictures(o, take.labels());
+  check_overwriting(o, names, inputs);
   take.prepare();
   warn_of_formats(o, diagnostics);
   Times times{.load_s = total.seconds()};
   report_warnings(o, diagnostics, 0, progress);
   const std::size_t reported = diagnostics.warnings().size();
+  write_cameras(o, take, names);
 
   const bool is_raster = o.shot.engine == Engine::raster;
   progress.phase(prefix + (is_raster ? "drawing" : "building"));
   const Interrupt interrupt;
   PartialWriter partial(progress);
+  Films films(o);
   std::size_t index = 0;
   if (!job.progress) job = progress.job();
-  job.partial = [&](const Film& film) { partial.write(outputs_of(o, index), film, take.develop()); };
+  job.partial = [&](const Film& film) { partial.write(stills_of(o, names[index]), film, take.develop()); };
   TakeResult result = take.render(
       [&](const TakenPicture& picture) {
         const Stopwatch writing;
-        const std::vector<fs::path> outputs = outputs_of(o, index++);
-        write_outputs(outputs, picture.film, picture.develop);
+        const std::vector<fs::path>& outputs = names[index++];
+        const std::vector<fs::path> stills = stills_of(o, outputs);
+        write_outputs(stills, picture.film, picture.develop);
+        add_to_films(o, take, picture, outputs, films);
         times.write_s += writing.seconds();
         times.total_s = total.seconds();
-        for (const fs::path& output : outputs) {
+        for (const fs::path& output : stills) {
           if (!is_raster) progress.line(traced_text(output, picture, times.total_s));
         }
       },
       job);
+  times.write_s += finish_films(films, total, progress);
   times.denoise_s = result.denoise_s;
   times.total_s = total.seconds();
   if (is_raster) {
-    for (const std::string& output : o.outputs) progress.line(drawn_text(output, o, result, times.total_s));
+    for (const std::string& output : o.outputs) {
+      if (!is_film(o, output)) progress.line(drawn_text(output, o, result, times.total_s));
+    }
   } else {
     warn_of_noise(o, result.traced, diagnostics);
   }
@@ -191,7 +247,7 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
   for (std::size_t i = 0; i < o.scenes.size() && !Interrupt::requested(); ++i) {
     RenderOptions one = o;
     one.shot.scene = o.scenes[i];
-    one.outputs = {outputs[i].string()};
+    one.outputs = {batch_pattern(o, outputs[i])};
     try {
       const std::string prefix = fmt::format("scene {} of {}, ", i + 1, o.scenes.size());
       const TakeResult result = render_scene(one, inputs, stage, threads, progress, prefix, parts.part(i, prefix));

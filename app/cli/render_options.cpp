@@ -9,8 +9,11 @@
 
 #include "base/error.h"
 #include "candela/cache.h"
+#include "cli/camera_options.h"
+#include "cli/films.h"
 #include "cli/option.h"
 #include "cli/output.h"
+#include "cli/render_outputs.h"
 #include "cli/scene_list.h"
 #include "cli/values.h"
 #include "raster/blocks.h"
@@ -33,6 +36,11 @@ std::string names_of(const Rows& rows, std::string_view separator = ", ") {
   return names;
 }
 
+/// No name: all of them.
+std::optional<std::vector<std::string>> names_or_all(const std::string& text) {
+  return text == "all" ? std::vector<std::string>() : parse_names(text);
+}
+
 void add_picture(Command& command, RenderOptions& o) {
   const std::string group = "Picture";
   command
@@ -40,7 +48,7 @@ void add_picture(Command& command, RenderOptions& o) {
              "File to write, may be repeated; .exr and .hdr stay linear; - or exr:- is standard output; of several "
              "scenes a "
              "folder [SCENE's name .png]")
-      .type("FILE.{png,jpg,webp,exr,hdr}|DIR")
+      .type("FILE.{png,jpg,webp,exr,hdr,mp4,webm,gif}|DIR")
       .repeated()
       .group(group);
   const auto variant = [](const std::string& value) {
@@ -52,7 +60,13 @@ void add_picture(Command& command, RenderOptions& o) {
   add_value(command, "--variant", "NAME", o.shot.load.variant, variant,
             "One of the file's material variants, as candela info lists them [its default look]")
       .group(group);
+  add_value(command, "--variants", "LIST|all", o.shot.variants, names_or_all,
+            "A picture of each of these variants, into -o NAME-{variant}.png")
+      .group(group);
   add_value(command, "--size", "WxH", o.shot.size, parse_size, "Pixels, each side 1 to 16384 [1280x720]").group(group);
+  add_value(command, "--fps", "N", o.frames_per_second, number_within(0.01f, 1000.0f),
+            "Pictures per second of a film [a sequence's own time, else 24]")
+      .group(group);
   add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", o.shot.exposure, parse_exposure,
             "Metered, in stops, or as on a camera [the scene's wish; studio 0 unless outshone; else auto]")
       .group(group);
@@ -124,40 +138,6 @@ void add_sampling(Command& command, RenderOptions& o) {
       .group(group);
 }
 
-void add_camera(Command& command, RenderOptions& o) {
-  const std::string group = "Camera";
-  const auto text = [](const std::string& value) { return value; };
-  Option camera = add_value(command, "--camera", "INDEX|NAME", o.shot.camera, text,
-                            "One of the file's cameras [the first, else the whole subject]");
-  Option orbit = add_value(command, "--orbit", "AZ,EL[,DIST]", o.shot.orbit, parse_orbit,
-                           "Degrees around and above the subject; DIST 1 fits it, 0.5 is twice as close");
-  Option eye = add_value(command, "--eye", "X,Y,Z", o.shot.eye, parse_vec3, "Where the camera is, metres");
-  Option target =
-      add_value(command, "--target", "X,Y,Z", o.shot.target, parse_vec3, "What --eye looks at [the subject's centre]");
-  Option fov = add_value(
-      command, "--fov", "45deg", o.shot.yfov, [](const std::string& value) { return parse_field_of_view(value); },
-      "Vertical field of view, also as 0.8rad [the camera's own, else 45deg]");
-  Option f_number = add_value(command, "--f-number", "F", o.shot.f_number, number_within(0.01f, 1000.0f),
-                              "Aperture of a lens on a 24 mm high sensor [everything is sharp]");
-  Option focus = add_value(command, "--focus-distance", "M|auto", o.shot.focus_distance, parse_focus,
-                           "What is sharp, metres [auto: --target or the subject's centre]");
-  Option blades = add_value(command, "--blades", "N", o.shot.blades, count_within(0, 64),
-                            "Corners of the aperture, below 3 it is round [0]");
-  Option vignetting = add_value(command, "--vignetting", "X", o.shot.vignetting, number_within(0.0f, 1.0f),
-                                "Fall-off to the corners: 0 none, 1 natural [0]");
-  Option no_clip = command.flag("--no-clip", o.shot.ignores_planes,
-                                "The file's camera sees what is before its near plane and beyond its far one, too");
-  camera.excludes(orbit).excludes(eye);
-  no_clip.excludes(orbit).excludes(eye);
-  orbit.excludes(eye);
-  target.needs(eye);
-  Option turntable = add_value(command, "--turntable", "N", o.shot.turntable, count_within(1, 100000),
-                               "N pictures from all around the subject, into -o NAME%03d.png");
-  for (Option option : {camera, orbit, eye, target, fov, f_number, focus, blades, vignetting, no_clip, turntable}) {
-    option.group(group);
-  }
-}
-
 void add_time(Command& command, RenderOptions& o) {
   const std::string group = "Time";
   const auto text = [](const std::string& value) { return value; };
@@ -166,6 +146,9 @@ void add_time(Command& command, RenderOptions& o) {
       .group(group);
   add_value(command, "--animation", "NAME|INDEX|all", o.shot.animation, text,
             "Which of the file's animations, as candela info lists them; all: every one together [the first]")
+      .group(group);
+  add_value(command, "--animations", "LIST|all", o.shot.animations, names_or_all,
+            "Pictures of each of these animations, one after the other, into -o NAME-{animation}.png")
       .group(group);
   add_value(command, "--shutter", "20ms", o.shot.shutter_s, parse_duration,
             "Motion blur: how long the picture is exposed while the scene moves [not at all]")
@@ -286,6 +269,9 @@ constexpr const char* kExamples = R"(Examples:
   candela render shoe.glb -o page.png --ground shadow --background transparent
   candela render helmet.glb -o frame.png --engine raster
   candela render helmet.glb -o frames/%03d.png --engine raster --turntable 48
+  candela render helmet.glb -o turn.webp --engine raster --turntable 48
+  candela render shoe.glb -o shoe-{variant}-{view}.png --variants all --views front,right,top,iso
+  candela render helmet.glb -o train/{camera}.png --cameras sphere:100 --write-cameras transforms.json
   candela render fox.glb -o run.png --animation Run --frame-time 0.4s --shutter 20ms
   candela render fox.glb -o run/%03d.png --engine raster --animation Run --sequence 30
   candela render a.glb b.glb models/ -o pictures/ --engine raster --size 256x256
@@ -331,12 +317,16 @@ void check_batch(RenderOptions& o) {
   if (!is_folder) throw UsageError("--output: of several scenes it is one folder: -o DIR/");
   if (o.shot.turntable) throw UsageError("--turntable: one scene at a time");
   if (o.shot.sequence) throw UsageError("--sequence: one scene at a time");
+  if (o.written_cameras) throw UsageError("--write-cameras: one scene at a time");
   if (o.stats) throw UsageError("--stats: one scene at a time");
   if (!o.shot.layers.empty()) throw UsageError("--aov: only an .exr holds layers; give one scene and -o FILE.exr");
   o.is_batch = true;
 }
 
-void check_outputs(RenderOptions& o) {
+void check_outputs(const Command& command, RenderOptions& o) {
+  for (const auto& [one, many] : {std::pair{"--variant", "--variants"}, std::pair{"--animation", "--animations"}}) {
+    if (command.has(one) && command.has(many)) throw UsageError(fmt::format("{} excludes {}", one, many));
+  }
   check_batch(o);
   if (o.is_batch) return;
   if (o.shot.turntable && o.shot.sequence) throw UsageError("--sequence: not together with --turntable");
@@ -344,11 +334,7 @@ void check_outputs(RenderOptions& o) {
     o.has_default_name = true;
     o.outputs.push_back(default_output(o, 1));
   }
-  for (const std::string& output : o.outputs) {
-    if (o.shot.has_many_pictures() && !is_frame_pattern(output)) {
-      throw UsageError("--output: " + output + " has no place for the number of a picture: NAME%03d.png");
-    }
-  }
+  check_patterns(o);
   std::set<std::string> seen;
   bool any_exr = false;
   for (const std::string& output : o.outputs) {
@@ -359,7 +345,7 @@ void check_outputs(RenderOptions& o) {
     }
     if (!piped.empty()) continue;
     try {
-      check_output_extension(output);
+      if (!is_film(o, output)) check_output_extension(output);
     } catch (const Error& error) {
       throw UsageError(std::string("--output: ") + error.what());
     }
@@ -370,6 +356,10 @@ void check_outputs(RenderOptions& o) {
   }
   if (o.stats && seen.contains(o.stats->lexically_normal().string())) {
     throw UsageError("--stats: " + o.stats->string() + " is a picture's name");
+  }
+  const auto is_a_film = [&](const std::string& output) { return is_film(o, output); };
+  if (o.frames_per_second && std::none_of(o.outputs.begin(), o.outputs.end(), is_a_film)) {
+    throw UsageError("--fps: only for a film: -o FILE.mp4, .webm, .webp or .gif");
   }
   if (!o.shot.layers.empty() && !any_exr) throw UsageError("--aov: only an .exr holds layers; add -o FILE.exr");
 }
@@ -438,9 +428,18 @@ void check_engine(const Command& command, const RenderOptions& o) {
 
 }  // namespace
 
+std::string default_pattern(const Shot& shot, const std::string& stem) {
+  if (!shot.has_many_pictures()) return stem + ".png";
+  std::string pattern = literal_in_pattern(stem);
+  if (shot.variants) pattern += "-{variant}";
+  if (shot.animations) pattern += "-{animation}";
+  if (!shot.views.empty()) pattern += "-{view}";
+  if (shot.camera_sphere || !shot.cameras.empty()) pattern += "-{camera}";
+  return pattern + (shot.turntable || shot.sequence ? "-%03d.png" : ".png");
+}
+
 std::string default_output(const RenderOptions& o, int attempt) {
-  const std::string stem = default_stem(o.shot.scene) + (attempt > 1 ? fmt::format("-{}", attempt) : "");
-  return o.shot.has_many_pictures() ? literal_in_pattern(stem) + "-%03d.png" : stem + ".png";
+  return default_pattern(o.shot, default_stem(o.shot.scene) + (attempt > 1 ? fmt::format("-{}", attempt) : ""));
 }
 
 void add_render_options(Command& command, RenderOptions& options) {
@@ -448,7 +447,7 @@ void add_render_options(Command& command, RenderOptions& options) {
                 "A file (" + kSceneFiles + ") or a built-in demo:NAME; several, or folders to search, with -o DIR");
   add_picture(command, options);
   add_sampling(command, options);
-  add_camera(command, options);
+  add_camera_options(command, options);
   add_time(command, options);
   add_light(command, options);
   add_running(command, options);
@@ -484,12 +483,13 @@ void finish_options(const Command& command, RenderOptions& o) {
   o.develop_given = command.has("--exposure") || command.has("--tonemap") || command.has("--bloom");
   if (o.shot.drawn.light_radius > 0.0f) o.shot.drawn.has_soft_shadows = true;
   o.shot.focuses_on_target = command.has("--focus-distance");
+  finish_camera_options(command, o);
 
   if (o.sun_elevation) {
     if (o.shot.environment.value_or("sky") != "sky") throw UsageError("--sun-elevation: only for --env sky");
     o.shot.environment = fmt::format("sky:{}", *o.sun_elevation);
   }
-  check_outputs(o);
+  check_outputs(command, o);
   check_environment_name(o.shot.environment.value_or("none"));
 }
 

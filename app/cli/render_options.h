@@ -31,7 +31,10 @@ struct RenderOptions {
   std::string denoiser = {};   ///< as --denoise has it
   bool develop_given = false;  ///< --exposure, --tonemap or --bloom
   int threads = 0;
-  std::optional<std::filesystem::path> stats;  ///< "-" is standard output
+  std::optional<std::filesystem::path> stats;            ///< "-" is standard output
+  std::optional<std::filesystem::path> camera_file;      ///< --cameras
+  std::optional<std::filesystem::path> written_cameras;  ///< --write-cameras
+  std::optional<float> frames_per_second;                ///< of films
   bool quiet = false;
   bool strict = false;
 };
@@ -42,6 +45,9 @@ void add_render_options(Command& command, RenderOptions& options);
 /// The name of its picture, or the pattern of its pictures, where none is given; a second attempt and later ones have a
 /// number.
 std::string default_output(const RenderOptions& options, int attempt);
+
+/// The same for a name without extension: with a place for whatever distinguishes the pictures of a shot.
+std::string default_pattern(const Shot& shot, const std::string& stem);
 
 /// Fills what follows from several options together and refuses combinations that make no sense (UsageError).
 void finish_options(const Command& command, RenderOptions& options);

@@ -3,68 +3,181 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "cli/films.h"
 #include "cli/output.h"
 
 namespace candela::cli {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> outputs_of(const RenderOptions& o, std::size_t index) {
-  std::vector<fs::path> paths;
-  paths.reserve(o.outputs.size());
-  for (const std::string& output : o.outputs) {
-    paths.emplace_back(o.shot.has_many_pictures() ? frame_name(output, static_cast<int>(index)) : output);
-  }
-  return paths;
-}
-
 namespace {
 
-std::vector<fs::path> all_outputs(const RenderOptions& o) {
-  std::vector<fs::path> paths;
-  const int count = o.shot.turntable.value_or(o.shot.sequence.value_or(1));
-  for (int i = 0; i < count; ++i) {
-    for (fs::path& path : outputs_of(o, static_cast<std::size_t>(i))) paths.push_back(std::move(path));
+/// A placeholder of a name, and what of a picture stands there.
+struct Placeholder {
+  std::string_view text;
+  std::string PictureLabel::*part;
+  const char* option;
+};
+constexpr std::array<Placeholder, 4> kPlaceholders{{{"{variant}", &PictureLabel::variant, "--variants"},
+                                                    {"{animation}", &PictureLabel::animation, "--animations"},
+                                                    {"{view}", &PictureLabel::view, "--views"},
+                                                    {"{camera}", &PictureLabel::camera, "--cameras"}}};
+
+/// Whether the pictures of a shot may differ in this.
+bool is_varied(const Shot& shot, const Placeholder& placeholder) {
+  if (placeholder.part == &PictureLabel::variant) return shot.variants.has_value();
+  if (placeholder.part == &PictureLabel::animation) return shot.animations.has_value();
+  if (placeholder.part == &PictureLabel::view) return !shot.views.empty();
+  return shot.camera_sphere || !shot.cameras.empty();
+}
+bool is_varied_often(const Shot& shot, const Placeholder& placeholder) {
+  if (placeholder.part == &PictureLabel::view) return shot.views.size() > 1;
+  if (placeholder.part == &PictureLabel::camera) return shot.camera_sphere || shot.cameras.size() > 1;
+  return is_varied(shot, placeholder);
+}
+
+/// A name out of a scene as part of a file's name: without what is a folder, or no name on some system.
+std::string file_part(const std::string& name) {
+  constexpr std::string_view kUnfit = "/\\:*?\"<>|";
+  std::string part;
+  for (const char c : name) {
+    const bool fits = static_cast<unsigned char>(c) >= 0x20 && kUnfit.find(c) == std::string_view::npos;
+    part += fits ? c : '-';
   }
-  if (o.stats && *o.stats != "-") paths.push_back(*o.stats);
-  return paths;
+  return part.empty() ? "unnamed" : part;
+}
+
+std::string filled(std::string name, const Shot& shot, const PictureLabel& label) {
+  for (const Placeholder& placeholder : kPlaceholders) {
+    if (!is_varied(shot, placeholder)) continue;
+    const std::string part = file_part(label.*placeholder.part);
+    for (std::size_t i = name.find(placeholder.text); i != std::string::npos; i = name.find(placeholder.text, i)) {
+      name.replace(i, placeholder.text.size(), part);
+      i += part.size();
+    }
+  }
+  return name;
 }
 
 }  // namespace
 
+PictureNames name_pictures(const RenderOptions& o, const std::vector<PictureLabel>& labels) {
+  PictureNames names(labels.size());
+  for (const std::string& output : o.outputs) {
+    std::map<std::string, int> counts;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      if (!o.shot.has_many_pictures()) {
+        names[i].emplace_back(filled(output, o.shot, labels[i]));
+        continue;
+      }
+      const int number = counts[filled(output, o.shot, labels[i])]++;
+      names[i].emplace_back(filled(frame_name(output, number), o.shot, labels[i]));
+    }
+  }
+  return names;
+}
+
+std::vector<PictureLabel> labels_before_loading(const Shot& shot) {
+  const bool has_names =
+      shot.variants || shot.animations || shot.camera_sphere || !shot.cameras.empty() || !shot.views.empty();
+  if (has_names) return {};
+  return std::vector<PictureLabel>(static_cast<std::size_t>(shot.turntable.value_or(shot.sequence.value_or(1))));
+}
+
+bool shares_names(const RenderOptions& o, const std::string& output) {
+  return o.shot.turntable || o.shot.sequence ||
+         std::any_of(kPlaceholders.begin(), kPlaceholders.end(), [&](const Placeholder& placeholder) {
+           return is_varied_often(o.shot, placeholder) && output.find(placeholder.text) == std::string::npos;
+         });
+}
+
+namespace {
+
+/// Throws UsageError for the name of a film of one picture, or of a number of films.
+void check_film_name(const RenderOptions& o, const std::string& output) {
+  if (is_frame_pattern(output)) {
+    throw UsageError("--output: " + output + " is a film, which has all pictures: no place for a number");
+  }
+  if (o.shot.has_many_pictures()) return;
+  throw UsageError("--output: " + output + " is a film: give --turntable, --sequence or --cameras");
+}
+
+}  // namespace
+
+void check_patterns(const RenderOptions& o) {
+  for (const std::string& output : o.outputs) {
+    for (const Placeholder& placeholder : kPlaceholders) {
+      const bool is_there = output.find(placeholder.text) != std::string::npos;
+      if (is_there && !is_varied(o.shot, placeholder)) {
+        throw UsageError(
+            fmt::format("--output: {} has a {}, which only {} fills", output, placeholder.text, placeholder.option));
+      }
+      if (is_there || is_frame_pattern(output) || is_film(o, output) || !is_varied_often(o.shot, placeholder)) continue;
+      throw UsageError(fmt::format("--output: {} has no place for the names of several pictures: NAME-{}.png", output,
+                                   placeholder.text));
+    }
+    if (is_film(o, output)) {
+      check_film_name(o, output);
+    } else if ((o.shot.turntable || o.shot.sequence) && !is_frame_pattern(output)) {
+      throw UsageError("--output: " + output + " has no place for the number of a picture: NAME%03d.png");
+    }
+  }
+}
+
 Inputs inputs_of_options(const RenderOptions& o) {
   Inputs inputs;
   for (const std::string& scene : o.scenes) inputs.add(scene, "the scene " + scene);
+  if (o.camera_file) inputs.add(*o.camera_file, "the cameras");
   inputs.add_environment(o.shot.environment.value_or(""));
   if (!o.shot.drawn.shader_folder.empty()) inputs.add_folder(o.shot.drawn.shader_folder, "a shader");
   return inputs;
 }
 
-void check_overwriting(const RenderOptions& o, const Inputs& inputs) {
-  std::map<std::string, fs::path> seen;
-  for (const fs::path& path : all_outputs(o)) {
-    if (is_device(path) || !standard_output_format(path.string()).empty()) continue;
+void check_overwriting(const RenderOptions& o, const PictureNames& names, const Inputs& inputs) {
+  std::map<std::string, std::pair<fs::path, std::string>> seen;
+  // All pictures of an output may go into one film.
+  const auto check = [&](const fs::path& path, const std::string& film) {
+    if (is_device(path) || !standard_output_format(path.string()).empty()) return;
     inputs.refuse(path);
-    const auto [found, is_new] = seen.try_emplace(file_identity(path), path);
-    if (!is_new) throw Error("would be written twice, also as " + found->second.string(), path.string());
+    const auto [found, is_new] = seen.try_emplace(file_identity(path), path, film);
+    if (is_new || (!film.empty() && found->second == std::pair(path, film))) return;
+    throw Error("would be written twice, also as " + found->second.first.string(), path.string());
+  };
+  for (const std::vector<fs::path>& of_picture : names) {
+    for (std::size_t k = 0; k < of_picture.size(); ++k) {
+      check(of_picture[k], is_film(o, o.outputs[k]) ? o.outputs[k] : "");
+    }
   }
+  if (o.stats && *o.stats != "-") check(*o.stats, "");
+  if (o.written_cameras) check(*o.written_cameras, "");
 }
 
 void check_paths(const RenderOptions& o) {
-  for (const fs::path& path : outputs_of(o, 0)) check_writable(path);
+  const std::vector<fs::path> paths = name_pictures(o, {PictureLabel()})[0];
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    check_writable(paths[k]);
+    if (is_film(o, o.outputs[k])) {
+      check_movie(paths[k], {.size = o.shot.size, .frame_rate = o.frames_per_second.value_or(24.0f)});
+    }
+  }
   if (o.stats && *o.stats != "-") check_writable(*o.stats);
+  if (o.written_cameras) check_writable(*o.written_cameras);
 }
 
-void choose_default_name(RenderOptions& o, const Inputs& inputs) {
+void choose_default_name(RenderOptions& o, const std::vector<PictureLabel>& labels, const Inputs& inputs) {
   const auto is_taken = [&] {
-    const std::vector<fs::path> outputs = all_outputs(o);
-    return std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& p) { return inputs.contains(p); });
+    const PictureNames names = name_pictures(o, labels);
+    return std::any_of(names.begin(), names.end(), [&](const std::vector<fs::path>& of_picture) {
+      return std::any_of(of_picture.begin(), of_picture.end(), [&](const fs::path& p) { return inputs.contains(p); });
+    });
   };
   if (!o.has_default_name || (o.stats && inputs.contains(*o.stats))) return;
   for (int attempt = 2; is_taken(); ++attempt) o.outputs = {default_output(o, attempt)};
@@ -125,6 +238,10 @@ std::vector<fs::path> batch_outputs(const std::vector<std::string>& stems, const
     }
   }
   return outputs;
+}
+
+std::string batch_pattern(const RenderOptions& o, const fs::path& output) {
+  return (output.parent_path() / default_pattern(o.shot, output.stem().string())).string();
 }
 
 fs::path free_name(const fs::path& folder, const std::string& stem, const Inputs& inputs) {

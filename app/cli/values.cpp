@@ -196,6 +196,17 @@ Orbit parse_orbit(const std::string& text) {
   return {radians(v[0]), radians(v[1]), v.size() == 3 ? v[2] : 1.0f};
 }
 
+std::vector<std::string> parse_names(const std::string& text) {
+  std::vector<std::string> names;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    names.push_back(text.substr(begin, end - begin));
+    if (names.back().empty()) throw UsageError("a name of the list is empty");
+    begin = end + 1;
+  }
+  return names;
+}
+
 std::set<Layer> parse_layers(const std::string& text) {
   std::set<Layer> layers;
   for (std::size_t begin = 0; begin <= text.size();) {

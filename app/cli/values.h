@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "candela/shot.h"
 
@@ -29,6 +30,7 @@ float parse_field_of_view(const std::string& text);  ///< an angle between 0 and
 vec3 parse_vec3(const std::string& text);            ///< "x,y,z"
 vec3 parse_color(const std::string& text);           ///< linear from "#rgb", "#rrggbb" (sRGB), "r,g,b" or a name
 Orbit parse_orbit(const std::string& text);          ///< "azimuth,elevation[,distance]", degrees
+std::vector<std::string> parse_names(const std::string& text);  ///< "a,b,c", none of them empty
 std::set<Layer> parse_layers(const std::string& text);
 path::PixelFilter parse_filter(const std::string& text);
 path::Integrator parse_integrator(const std::string& text);

@@ -41,12 +41,13 @@ io::GltfFile& Asset::file() {
 
 void Asset::release() { file_.reset(); }
 
-Scene Asset::scene(const std::optional<Pose>& pose) {
+Scene Asset::scene(const std::optional<Pose>& pose, const std::optional<std::string>& variant) {
   if (!is_built_in_) {
     // What is odd about a file is said once, not at every moment.
     Diagnostics* diagnostics = std::exchange(diagnostics_, nullptr);
-    return file().scene(diagnostics != nullptr ? *diagnostics : ignored_, pose);
+    return file().scene(diagnostics != nullptr ? *diagnostics : ignored_, pose, variant);
   }
+  if (variant) throw Error("a built-in scene has no variants", name_);
   if (pose && !pose->animation.empty()) throw Error("a built-in scene has no animations", name_);
   Scene scene = content::make_demo(name_.substr(kDemo.size()));
   if (options_.texture_memory > 0) {
@@ -124,7 +125,8 @@ View default_view(const Scene& scene, float aspect, Diagnostics* diagnostics) {
   if (const auto node = default_camera(scene, aspect, diagnostics)) {
     return scene_camera(scene, scene.nodes[*node], aspect);
   }
-  return frame_box(subject_bounds(scene), aspect, PerspectiveCamera{}.yfov);
+  const Extent extent(scene);
+  return frame(extent, {.orbit = default_orbit(scene, extent.bounds()), .aspect = aspect});
 }
 
 std::string default_environment(const Scene& scene) { return scene.preferred_environment.value_or("studio"); }

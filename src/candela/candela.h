@@ -16,6 +16,7 @@
 #include "path/render.h"
 #include "raster/render.h"
 #include "scene/environment.h"
+#include "scene/framing.h"
 #include "scene/scene.h"
 #include "scene/view.h"
 #include "scene/visibility.h"
@@ -47,12 +48,15 @@ class Asset {
 
   /// The scene at rest, or in the given pose of an animation. A built-in scene has no animations: naming one throws
   /// Error.
-  Scene scene(const std::optional<Pose>& pose = std::nullopt);
+  /// `variant` wears another one than LoadOptions::variant. A built-in scene has none: naming one throws Error.
+  Scene scene(const std::optional<Pose>& pose = std::nullopt, const std::optional<std::string>& variant = std::nullopt);
   /// Duration of the animations of that name, as Pose::animation names them; 0 if nothing moves.
   double duration_s(const std::string& animation);
   /// Whether such an animation moves a light of EXT_lights_image_based by a pointer.
   bool moves_image_light(const std::string& animation);
   bool is_animated() const;
+  /// What the file says of itself; of a built-in scene nothing.
+  const io::FileInfo& info() const { return info_; }
   /// The files that it is read from: the file itself and all that it names; none for a built-in scene.
   std::vector<io::ReferencedFile> files() const;
   /// Gives back what only another scene needs, above all the file's bytes. What needs them reads the file again.
@@ -78,7 +82,7 @@ bool has_camera(const Scene& scene);
 /// reported to `diagnostics`.
 std::optional<std::size_t> default_camera(const Scene& scene, float aspect, Diagnostics* diagnostics = nullptr);
 
-/// The view a user would expect by default: that of default_camera, else the whole subject in three-quarter view.
+/// The view a user would expect by default: that of default_camera, else the whole subject from default_orbit().
 View default_view(const Scene& scene, float aspect, Diagnostics* diagnostics = nullptr);
 
 /// The box that frames the subject: world_bounds(), or a two metre cube about the origin if nothing has a mesh.

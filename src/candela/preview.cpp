@@ -23,9 +23,9 @@ const std::array<PreviewView, 4>& preview_views() {
 }
 
 /// Pictures of one scene by either engine, before nothing.
-class Studio {
+class ModelPictures {
  public:
-  Studio(std::shared_ptr<const Scene> scene, const PreviewSettings& settings)
+  ModelPictures(std::shared_ptr<const Scene> scene, const PreviewSettings& settings)
       : scene_(std::move(scene)), settings_(settings), box_(subject_bounds(*scene_)) {
     const Environment light = settings.environment ? make_environment(*settings.environment) : default_light(*scene_);
     develop_ = default_develop(*scene_, light);
@@ -121,11 +121,11 @@ Preview make_preview(const std::string& scene, const PreviewSettings& settings, 
   Preview preview = described(judged);
   preview.view_size = settings.view_size;
   preview.views.assign(views.begin(), views.end());
-  Studio studio(std::make_shared<const Scene>(std::move(judged.scene)), settings);
+  ModelPictures pictures_of(std::make_shared<const Scene>(std::move(judged.scene)), settings);
   std::vector<DisplayImage> pictures;
   // What fills the picture most says most of its light.
   for (std::size_t i = 0; i < views.size(); ++i) {
-    pictures.push_back(studio.picture(views[i].orbit, kPaper, parts.part(i + 1, views[i].name + ", ")));
+    pictures.push_back(pictures_of.picture(views[i].orbit, kPaper, parts.part(i + 1, views[i].name + ", ")));
   }
   lay_out_sheet(pictures, preview);
   return preview;
@@ -133,8 +133,9 @@ Preview make_preview(const std::string& scene, const PreviewSettings& settings, 
 
 DisplayImage make_thumbnail(const std::string& scene, const PreviewSettings& settings, const Job& job) {
   check_engine(settings);
-  Studio studio(std::make_shared<const Scene>(load(scene, job.diagnostics, load_options(settings))), settings);
-  return studio.picture({}, std::nullopt, job);
+  ModelPictures pictures_of(std::make_shared<const Scene>(load(scene, job.diagnostics, load_options(settings))),
+                            settings);
+  return pictures_of.picture({}, std::nullopt, job);
 }
 
 }  // namespace candela

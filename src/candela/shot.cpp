@@ -7,13 +7,12 @@
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "candela/viewpoint.h"
 #include "path/statistics.h"
 
 namespace candela {
 
 namespace {
-
-std::string vec3_text(vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
 
 float aspect_of(const Shot& shot) { return static_cast<float>(shot.size.x) / static_cast<float>(shot.size.y); }
 
@@ -67,19 +66,6 @@ void set_studio(Studio studio, Shot& shot) {
     shot.environment = info.environment;
     shot.ground = GroundChoice{.color = info.paper, .mirror = info.mirror};
   }
-}
-
-std::vector<View> all_around(const View& view, vec3 center, int count) {
-  std::vector<View> views;
-  for (int i = 0; i < count; ++i) {
-    const float angle = 2.0f * kPi * static_cast<float>(i) / static_cast<float>(count);
-    const mat4 turn = glm::mat4_cast(glm::angleAxis(angle, vec3(0, 1, 0)));
-    mat4 there(1.0f), back(1.0f);
-    there[3] = vec4(center, 1.0f), back[3] = vec4(-center, 1.0f);
-    views.push_back(view);
-    views.back().world_from_camera = there * turn * back * view.world_from_camera;
-  }
-  return views;
 }
 
 namespace {
@@ -149,31 +135,89 @@ std::shared_ptr<raster::Device> Stage::device() {
   return device_;
 }
 
+struct Take::Viewpoints {
+  std::vector<Viewpoint> all;
+};
+
 Take::Take(Shot shot, Diagnostics* diagnostics, std::shared_ptr<Stage> stage)
     : shot_(takeable(std::move(shot))),
       diagnostics_(diagnostics),
       stage_(stage != nullptr ? std::move(stage) : std::make_shared<Stage>()),
-      asset_(shot_.scene, diagnostics, shot_.load) {}
+      asset_(shot_.scene, diagnostics, shot_.load) {
+  plan();
+}
+
+Take::~Take() = default;
 
 void Take::warn(std::string message) const {
   if (diagnostics_ != nullptr) diagnostics_->warn(std::move(message), shot_.scene);
 }
 
-/// Whether something moves, and when each picture is taken.
-void Take::choose_moments() {
-  const bool is_asked = shot_.moment_s || shot_.animation || shot_.shutter_s > 0.0 || shot_.sequence;
+std::vector<std::string> Take::chosen_variants() const {
+  const std::vector<std::string>& known = asset_.info().variants;
+  if (known.empty()) throw Error("the file has no variants", "--variants");
+  if (shot_.variants->empty()) return known;
+  for (const std::string& name : *shot_.variants) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw Error(fmt::format("there is no variant '{}'; the file has: {}", name, fmt::join(known, ", ")), "--variants");
+  }
+  return *shot_.variants;
+}
+
+/// All pictures of a variant and an animation.
+void Take::plan_moments(const std::optional<std::string>& variant, const std::string& animation, PictureLabel label) {
+  const double first = shot_.moment_s.value_or(0.0);
+  const double length = shot_.sequence ? std::max(asset_.duration_s(animation) - first, 0.0) : 0.0;
+  const int moments = shot_.sequence.value_or(1);
+  const std::vector<ViewpointName> names = viewpoint_names(shot_);
+  for (int moment = 0; moment < moments; ++moment) {
+    std::size_t viewpoint = 0;
+    for (const ViewpointName& name : names) {
+      label.view = name.view;
+      label.camera = name.camera;
+      for (int turn = 0; turn < shot_.turntable.value_or(1); ++turn) {
+        planned_.push_back(
+            {variant, animation, first + length * moment / moments, length / moments, viewpoint++, label});
+      }
+    }
+  }
+}
+
+/// What the pictures show, and when: whether something moves.
+void Take::plan() {
+  const bool is_named = shot_.animation || shot_.animations;
+  const bool is_asked = shot_.moment_s || is_named || shot_.shutter_s > 0.0 || shot_.sequence;
   const bool is_animated = asset_.is_animated();
   if (shot_.sequence && !is_animated) throw Error("nothing in " + shot_.scene + " is animated", "--sequence");
-  if (is_asked && !is_animated && !shot_.animation) warn("nothing in it is animated: shown as it stands");
-  is_moving_ = is_asked && (is_animated || shot_.animation);
-  const double first = shot_.moment_s.value_or(0.0);
-  moments_s_.assign(static_cast<std::size_t>(shot_.turntable.value_or(1)), first);
-  if (!shot_.sequence) return;
-  const double length = std::max(asset_.duration_s(shot_.animation.value_or("")) - first, 0.0);
-  moments_s_.resize(static_cast<std::size_t>(*shot_.sequence));
-  for (std::size_t i = 0; i < moments_s_.size(); ++i) {
-    moments_s_[i] = first + length * static_cast<double>(i) / static_cast<double>(moments_s_.size());
+  if (is_asked && !is_animated && !is_named) warn("nothing in it is animated: shown as it stands");
+  is_moving_ = is_asked && (is_animated || is_named);
+  std::vector<std::string> animations = {shot_.animation.value_or("")};
+  if (shot_.animations) {
+    animations = *shot_.animations;
+    if (!is_animated) throw Error("the file has no animations", "--animations");
+    for (std::size_t i = 0; animations.size() < asset_.info().animations.size() && shot_.animations->empty(); ++i) {
+      const std::string& name = asset_.info().animations[i].name;
+      animations.push_back(name.empty() ? std::to_string(i) : name);
+    }
   }
+  std::vector<std::optional<std::string>> variants = {std::nullopt};
+  if (shot_.variants) {
+    const std::vector<std::string> names = chosen_variants();
+    variants.assign(names.begin(), names.end());
+  }
+  for (const std::optional<std::string>& variant : variants) {
+    for (const std::string& animation : animations) {
+      plan_moments(variant, animation,
+                   {.variant = variant.value_or(""), .animation = shot_.animations ? animation : ""});
+    }
+  }
+}
+
+std::vector<PictureLabel> Take::labels() const {
+  std::vector<PictureLabel> labels;
+  labels.reserve(planned_.size());
+  for (const Planned& planned : planned_) labels.push_back(planned.label);
+  return labels;
 }
 
 /// Which camera of the scene is looked through where none is asked for, and a word on cameras and framings that show
@@ -185,64 +229,33 @@ void Take::choose_camera() {
     if (!is_empty && !sees_something(*scene_, scene_camera(*scene_, *shot_.camera, aspect_of(shot_)))) {
       warn(fmt::format("the camera {} sees nothing of the scene", *shot_.camera));
     }
-  } else if (!shot_.eye && !shot_.orbit) {
+  } else if (!shot_.eye && !frames_subject(shot_, std::size_t{0}) && shot_.cameras.empty()) {
     camera_node_ = default_camera(*scene_, aspect_of(shot_), diagnostics_);
   }
-  const bool is_framed = !shot_.camera && !shot_.eye && !camera_node_;
-  if (emptiness && (is_empty || is_framed)) warn(emptiness->message);
+  if (emptiness && (is_empty || frames_subject(shot_, camera_node_))) warn(emptiness->message);
 }
 
-View Take::choose_view(const Scene& scene, std::string& description) const {
-  const float aspect = aspect_of(shot_);
-  const float yfov = shot_.yfov.value_or(PerspectiveCamera{}.yfov);
-  if (shot_.eye) {
-    const vec3 target = shot_.target.value_or(subject_bounds(scene).center());
-    if (*shot_.eye == target) throw Error("the camera is where it looks at", "--eye");
-    description = "eye " + vec3_text(*shot_.eye) + " target " + vec3_text(target);
-    return look_at(*shot_.eye, target, yfov);
+/// What all pictures show, so that what moves stays in them: at most so many moments are looked at.
+Extent Take::extent_of_all(const Scene& first) {
+  constexpr std::size_t kMostMoments = 32;
+  constexpr int kDirections = 2000;
+  std::vector<const Planned*> moments;
+  for (const Planned& planned : planned_) {
+    const auto is_same = [&](const Planned* other) {
+      return other->animation == planned.animation && other->moment_s == planned.moment_s;
+    };
+    if (moments.empty() || !is_same(moments.back())) moments.push_back(&planned);
+    if (planned.variant != planned_[0].variant) break;
   }
-  if (shot_.orbit) {
-    const Orbit& orbit = *shot_.orbit;
-    description = fmt::format("orbit {},{},{}", degrees(orbit.azimuth), degrees(orbit.elevation), orbit.distance_scale);
-    return frame_box(subject_bounds(scene), aspect, yfov, orbit);
+  if (!is_moving_ || moments.size() == 1 || !frames_subject(shot_, camera_node_)) return Extent(first);
+  const std::size_t step = (moments.size() + kMostMoments - 1) / kMostMoments;
+  std::vector<vec3> points = Extent(first).outline(kDirections);
+  for (std::size_t i = step; i < moments.size(); i += step) {
+    const Scene scene = scene_at(*moments[i], moments[i]->moment_s);
+    const std::vector<vec3> more = Extent(scene).outline(kDirections);
+    points.insert(points.end(), more.begin(), more.end());
   }
-  description = shot_.camera ? "camera " + *shot_.camera : "default";
-  if (!shot_.camera && !camera_node_) return frame_box(subject_bounds(scene), aspect, yfov);
-  View view = shot_.camera ? scene_camera(scene, *shot_.camera, aspect)
-                           : scene_camera(scene, scene.nodes[*camera_node_], aspect);
-  if (!shot_.yfov) return view;
-  auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
-  if (perspective == nullptr) throw Error("the scene's camera is orthographic and has no field of view", "--fov");
-  perspective->yfov = *shot_.yfov;
-  return view;
-}
-
-void Take::set_lens(const Scene& scene, View& view) const {
-  const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
-  if (shot_.vignetting > 0.0f && perspective == nullptr) {
-    throw Error("an orthographic camera has no lens", "--vignetting");
-  }
-  view.lens.vignetting = shot_.vignetting;
-  if (shot_.f_number) {
-    if (perspective == nullptr) throw Error("an orthographic camera has no lens", "--f-number");
-    view.lens.radius = aperture_radius(*shot_.f_number, perspective->yfov);
-  }
-  const bool is_focused = shot_.focus_distance || shot_.focuses_on_target;
-  if (view.lens.radius <= 0.0f) {
-    if (shot_.blades > 0) throw Error("without an aperture has no effect: give --f-number", "--blades");
-    if (is_focused) throw Error("without an aperture has no effect: give --f-number", "--focus-distance");
-    return;
-  }
-  view.lens.blades = shot_.blades;
-  if (!shot_.f_number && !is_focused) return;  // the scene's own camera, focused by its author
-  if (shot_.focus_distance) {
-    view.lens.focus_distance = *shot_.focus_distance;
-    return;
-  }
-  const vec3 subject = shot_.target.value_or(subject_bounds(scene).center());
-  const float distance = -transform_point(glm::inverse(view.world_from_camera), subject).z;
-  if (!(distance > 0.0f)) throw Error("the subject is behind the camera: give --focus-distance", "--f-number");
-  view.lens.focus_distance = distance;
+  return Extent(points);
 }
 
 Ground Take::ground_of(const Scene& scene) const {
@@ -258,10 +271,10 @@ Ground Take::ground_of(const Scene& scene) const {
 }
 
 /// The scene at a moment of its animation, or at rest.
-Scene Take::scene_at(double moment_s) {
+Scene Take::scene_at(const Planned& planned, double moment_s) {
   std::optional<Pose> pose;
-  if (is_moving_) pose = Pose{shot_.animation.value_or(""), moment_s};
-  Scene scene = asset_.scene(pose);
+  if (is_moving_) pose = Pose{planned.animation, moment_s};
+  Scene scene = asset_.scene(pose, planned.variant);
   if (shot_.falloff) set_falloff(*shot_.falloff, scene);
   if (shot_.ground && !ground_) ground_ = ground_of(scene);
   scene.ground = ground_;
@@ -271,14 +284,27 @@ Scene Take::scene_at(double moment_s) {
   return scene;
 }
 
+namespace {
+
+std::string text_of(vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
+
+}  // namespace
+
 /// What does not move may be there from an earlier take.
 std::shared_ptr<const Scene> Take::first_scene() {
-  const auto make = [&] { return scene_at(moments_s_[0]); };
-  if (is_moving_) return std::make_shared<const Scene>(make());
+  const Planned& planned = planned_[0];
+  const auto make = [&] { return scene_at(planned, planned.moment_s); };
+  if (is_moving_ || shot_.variants) return std::make_shared<const Scene>(make());
   std::string key = scene_key(asset_.files(), shot_.scene, shot_.load) + (shot_.ignores_planes ? "no planes " : "");
   if (shot_.falloff) {
     key += fmt::format("{} {}", static_cast<int>(shot_.falloff->kind),
-                       vec3_text(shot_.falloff->polynomial.value_or(vec3(-1))));
+                       text_of(shot_.falloff->polynomial.value_or(vec3(-1))));
+  }
+  if (shot_.ground) {
+    const GroundChoice& ground = *shot_.ground;
+    const std::optional<vec3> color = ground.color ? ground.color : shot_.background_color;
+    key += fmt::format("ground {} {} {}", color ? text_of(*color) : "", ground.mirror,
+                       ground.height ? fmt::format("{}", *ground.height) : "");
   }
   return stage_->scenes().scene(key, make, diagnostics_);
 }
@@ -291,35 +317,48 @@ path::Tracer Take::new_tracer(std::shared_ptr<const Scene> scene) {
   return stage_->scenes().tracer(scene, key, [&] { return path::Tracer(scene, environment_, shot_.shading); });
 }
 
+std::shared_ptr<const Scene> Take::scene_of(std::size_t index) {
+  const Planned& planned = planned_[index];
+  if (planned.has_same_scene(planned_[0])) return scene_;
+  return std::make_shared<const Scene>(scene_at(planned, planned.moment_s));
+}
+
 /// The view of picture `index` in a scene of another moment.
 View Take::view_at(const Scene& scene, std::size_t index) const {
-  if (!has_own_camera_) return views_[std::min(index, views_.size() - 1)];
-  std::string description;
-  View view = choose_view(scene, description);
-  set_lens(scene, view);
-  return view;
+  if (!has_own_camera_) return viewpoints_->all[planned_[index].viewpoint].view;
+  return choose_viewpoints(shot_, {scene, Extent(scene), camera_node_})[0].view;
+}
+
+std::optional<double> Take::real_time_rate(std::size_t index) const {
+  const double step_s = planned_[index].step_s;
+  return step_s > 0.0 ? std::optional(1.0 / step_s) : std::nullopt;
+}
+
+std::vector<View> Take::views() const {
+  std::vector<View> views;
+  views.reserve(planned_.size());
+  for (const Planned& planned : planned_) views.push_back(viewpoints_->all[planned.viewpoint].view);
+  return views;
 }
 
 void Take::prepare() {
   if (is_prepared_) return;
-  choose_moments();
   scene_ = first_scene();
-  if (!is_moving_) asset_.release();
+  if (!is_moving_ && !shot_.variants) asset_.release();
   const bool has_own_light = !shot_.environment && scene_->image_light.has_value();
   environment_ = has_own_light
                      ? scene_->image_light->environment
                      : stage_->environment(shot_.environment.value_or(default_environment(*scene_)), diagnostics_);
-  const bool has_more_moments = moments_s_.size() > 1 || shot_.shutter_s > 0.0;
-  if (has_own_light && is_moving_ && has_more_moments && asset_.moves_image_light(shot_.animation.value_or(""))) {
+  const bool has_more_moments = planned_.back().moment_s != planned_[0].moment_s || shot_.shutter_s > 0.0;
+  if (has_own_light && is_moving_ && has_more_moments && asset_.moves_image_light(planned_[0].animation)) {
     warn("the image-based light moves, and stands as at the first moment");
   }
   environment_.rotation += shot_.environment_rotation;
   environment_.intensity *= shot_.environment_intensity;
   choose_camera();
-  View view = choose_view(*scene_, camera_);
-  set_lens(*scene_, view);
+  viewpoints_ = std::make_unique<Viewpoints>();
+  viewpoints_->all = choose_viewpoints(shot_, {*scene_, extent_of_all(*scene_), camera_node_});
   has_own_camera_ = (shot_.camera || camera_node_) && is_moving_ && !shot_.turntable;
-  views_ = all_around(view, shot_.target.value_or(subject_bounds(*scene_).center()), shot_.turntable.value_or(1));
   develop_ = default_develop(*scene_, environment_);
   if (shot_.exposure) develop_.exposure = *shot_.exposure;
   develop_.tone_curve = shot_.tone_curve;
@@ -344,17 +383,20 @@ void Take::choose_denoiser() {
   shot_.denoiser = denoise::Method::regression;
 }
 
-std::map<std::string, std::string> Take::metadata(double samples_per_pixel, bool is_denoised) const {
+std::map<std::string, std::string> Take::metadata(std::size_t index, double samples_per_pixel, bool is_denoised) const {
+  const Planned& planned = planned_[index];
   std::map<std::string, std::string> result{
       {"scene", shot_.scene},
-      {"camera", camera_},
+      {"camera", viewpoints_->all[planned.viewpoint].description},
       {"environment", environment_.name},
       {"integrator", shot_.engine == Engine::raster ? "raster" : path::integrator_name(shot_.traced.integrator)},
       {"samples", fmt::format("{}", samples_per_pixel)},
       {"seed", fmt::format("{}", shot_.traced.seed)},
       {"version", fmt::format("candela {}", version())}};
   if (!shot_.load.scene.empty()) result["scene_of_file"] = shot_.load.scene;
-  if (!shot_.load.variant.empty()) result["variant"] = shot_.load.variant;
+  const std::string variant = planned.variant.value_or(shot_.load.variant);
+  if (!variant.empty()) result["variant"] = variant;
+  if (shot_.animations) result["animation"] = planned.animation;
   if (!shot_.shading_name.empty()) result["shading"] = shot_.shading_name;
   if (is_denoised) result["denoiser"] = denoise::method_name(*shot_.denoiser);
   return result;
@@ -390,7 +432,7 @@ Film Take::trace_moving(std::size_t index, const Job& job, path::Statistics& sta
   const JobParts parts(job, static_cast<std::size_t>(count));
   tracer_.reset();
   for (int i = 0; i < count && !statistics.interrupted; ++i) {
-    Scene scene = scene_at(moments_s_[index] + shot_.shutter_s * (i + 0.5) / count);
+    Scene scene = scene_at(planned_[index], planned_[index].moment_s + shot_.shutter_s * (i + 0.5) / count);
     const View view = view_at(scene, index);
     const path::Tracer tracer(std::move(scene), environment_, shot_.shading);
     path::Statistics one;
@@ -414,11 +456,11 @@ Film Take::trace_moving(std::size_t index, const Job& job, path::Statistics& sta
 
 Film Take::trace_one(std::size_t index, const Job& job, path::Statistics& statistics) {
   if (is_moving_ && shot_.shutter_s > 0.0) return trace_moving(index, job, statistics);
-  const bool has_moved = index > 0 && shot_.sequence && is_moving_;
-  if (has_moved) tracer_.reset();  // before there is another
+  const bool is_other = index > 0 && !planned_[index].has_same_scene(planned_[index - 1]);
+  if (is_other) tracer_.reset();  // before there is another
   double build_s = 0.0;
   if (!tracer_) {
-    tracer_.emplace(new_tracer(has_moved ? std::make_shared<const Scene>(scene_at(moments_s_[index])) : scene_));
+    tracer_.emplace(new_tracer(scene_of(index)));
     build_s = tracer_->build_s();
   }
   Film film = tracer_->render(view_at(tracer_->scene(), index), settings_of_trace(), job, &statistics);
@@ -445,7 +487,7 @@ void Take::take_noise_out(TakenPicture& picture, const Job& job) const {
 }
 
 TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job& job) {
-  TakeResult result{.asked = moments_s_.size()};
+  TakeResult result{.asked = planned_.size()};
   const JobParts parts(job, result.asked);
   for (std::size_t index = 0; index < result.asked && !result.interrupted; ++index) {
     Job part = parts.part(index, prefix_of(index, result.asked));
@@ -459,16 +501,16 @@ TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job&
     };
     if (job.partial) {
       part.partial = [&](Film film) {
-        film.metadata.merge(metadata(samples_per_pixel, false));
+        film.metadata.merge(metadata(index, samples_per_pixel, false));
         job.partial(std::move(film));
       };
     }
-    TakenPicture picture{.index = index};
+    TakenPicture picture{.index = index, .label = planned_[index].label};
     picture.film = trace_one(index, part, picture.traced);
     if (picture.traced.samples == 0) throw Interrupted("before the first sample: no picture");
     if (shot_.denoiser) take_noise_out(picture, parts.part(index, prefix_of(index, result.asked)));
     result.denoise_s += picture.denoise_s;
-    picture.film.metadata.merge(metadata(picture.traced.mean_samples_per_pixel, picture.is_denoised));
+    picture.film.metadata.merge(metadata(index, picture.traced.mean_samples_per_pixel, picture.is_denoised));
     add_work(picture.traced, result.traced);
     result.traced.mean_samples_per_pixel = picture.traced.mean_samples_per_pixel;
     hand_over(std::move(picture), result, take);
@@ -486,33 +528,49 @@ Film Take::draw_one(std::size_t index, raster::Drawer& drawer, const Job& job, r
   if (is_moving_ && shot_.shutter_s > 0.0) {
     const auto moment = [&](int frame) {
       const double share = (frame + 0.5) / settings.frames;
-      const auto scene = std::make_shared<const Scene>(scene_at(moments_s_[index] + shot_.shutter_s * share));
+      const auto scene =
+          std::make_shared<const Scene>(scene_at(planned_[index], planned_[index].moment_s + shot_.shutter_s * share));
       return raster::Moment{scene, view_at(*scene, index)};
     };
     return drawer.render(moment, settings, job, &statistics);
   }
-  std::shared_ptr<const Scene> scene = scene_;
-  if (index > 0 && shot_.sequence && is_moving_) {
-    scene = std::make_shared<const Scene>(scene_at(moments_s_[index]));
-    drawer.set_scene(scene);
+  return drawer.render(view_at(*scene_drawn_, index), settings, job, &statistics);
+}
+
+/// A scene made ready to be drawn, with its probes.
+std::unique_ptr<raster::Drawer> Take::drawer_of(const std::shared_ptr<const Scene>& scene, const Job& job) {
+  constexpr int kProbeSamples = 64;
+  auto drawer = std::make_unique<raster::Drawer>(scene, environment_, shot_.shading, stage_->device());
+  if (shot_.probes > 0) {
+    drawer->set_probes(bake_probes(path::Tracer(scene, environment_), shot_.probes, kProbeSamples, job));
   }
-  return drawer.render(view_at(*scene, index), settings, job, &statistics);
+  return drawer;
+}
+
+/// The scene of picture `index`: of another moment the drawer is given it, of another variant there is another drawer.
+void Take::make_drawable(std::size_t index, std::unique_ptr<raster::Drawer>& drawer, const Job& job) {
+  const bool is_first = drawer == nullptr;
+  if (!is_first && planned_[index].has_same_scene(planned_[index - 1])) return;
+  scene_drawn_ = scene_of(index);
+  if (is_first || planned_[index].variant != planned_[index - 1].variant) {
+    drawer.reset();  // before there is another
+    drawer = drawer_of(scene_drawn_, job);
+  } else {
+    drawer->set_scene(scene_drawn_);
+  }
 }
 
 TakeResult Take::draw(const std::function<void(TakenPicture)>& take, const Job& job) {
-  constexpr int kProbeSamples = 64;
-  TakeResult result{.asked = moments_s_.size()};
-  raster::Drawer drawer(scene_, environment_, shot_.shading, stage_->device());
-  if (shot_.probes > 0) {
-    drawer.set_probes(bake_probes(path::Tracer(scene_, environment_), shot_.probes, kProbeSamples, job));
-  }
+  TakeResult result{.asked = planned_.size()};
+  std::unique_ptr<raster::Drawer> drawer;
   const JobParts parts(job, result.asked);
   for (std::size_t index = 0; index < result.asked && !result.interrupted; ++index) {
     Job part = parts.part(index, prefix_of(index, result.asked));
     part.diagnostics = diagnostics_;
-    TakenPicture picture{.index = index};
-    picture.film = draw_one(index, drawer, part, picture.drawn);
-    picture.film.metadata.merge(metadata(picture.drawn.frames, false));
+    TakenPicture picture{.index = index, .label = planned_[index].label};
+    make_drawable(index, drawer, part);
+    picture.film = draw_one(index, *drawer, part, picture.drawn);
+    picture.film.metadata.merge(metadata(index, picture.drawn.frames, false));
     add_work(picture.drawn, result.drawn);
     hand_over(std::move(picture), result, take);
     result.interrupted |= result.done < result.asked && job.is_stopped();

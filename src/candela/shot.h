@@ -14,6 +14,7 @@
 #include "candela/candela.h"
 #include "candela/scene_keep.h"
 #include "denoise/denoise.h"
+#include "scene/posed_camera.h"
 
 /// Recipes: the description of a picture, or of a set of them, for either engine, from the file to the exposure.
 namespace candela {
@@ -56,12 +57,18 @@ struct Shot {
   int probes = 0;                                ///< for the rasterizer: places where light within the scene is traced
 
   // ----- the viewpoint: the first of these that is given, else default_view()
+  std::optional<CameraSphere> camera_sphere = {};  ///< a picture from each, which shows the whole subject
+  std::vector<PosedCamera> cameras = {};           ///< a picture through each
+  std::vector<std::string> views = {};             ///< a picture of each of kNamedViews
   std::optional<vec3> eye = {};
   std::optional<vec3> target = {};  ///< the point that the eye looks at and focuses on; empty = the subject's centre
   std::optional<Orbit> orbit = {};
   std::optional<std::string> camera = {};  ///< of the scene, by number or name
   bool ignores_planes = false;             ///< the near and far planes of the scene's cameras
   std::optional<float> yfov = {};
+  bool ignores_own_camera = false;    ///< the subject is framed where none of the above is given
+  bool is_orthographic = false;       ///< of what is no camera of the scene or of a list
+  float margin = 0.08f;               ///< Framing::margin, where the subject is framed
   std::optional<int> turntable = {};  ///< number of pictures all around the subject
 
   // ----- the lens
@@ -77,6 +84,10 @@ struct Shot {
   float environment_intensity = 1.0f;
   std::optional<FalloffChoice> falloff = {};
 
+  // ----- which of the file's looks and motions: a picture of each that is named, or where none is named of all
+  std::optional<std::vector<std::string>> variants = {};
+  std::optional<std::vector<std::string>> animations = {};  ///< as Pose::animation names them
+
   // ----- when
   std::optional<std::string> animation = {};  ///< as Pose::animation names it
   std::optional<double> moment_s = {};        ///< empty = at rest, or the animation's beginning
@@ -90,7 +101,20 @@ struct Shot {
   float background_opacity = 1.0f;            ///< of that colour
   std::optional<vec3> background_color = {};  ///< linear; shows through where the picture is transparent
 
-  bool has_many_pictures() const { return turntable || sequence; }
+  /// Whether it may be more than one, which is known once the file is open.
+  bool has_many_pictures() const {
+    return turntable || sequence || variants || animations || camera_sphere || cameras.size() > 1 || views.size() > 1;
+  }
+};
+
+/// Which of a shot's pictures one is: what distinguishes it from the others, by the names that the shot gives them.
+struct PictureLabel {
+  std::string variant = {};
+  std::string animation = {};
+  std::string view = {};
+  std::string camera = {};  ///< of a list without names its number
+
+  bool operator==(const PictureLabel&) const = default;
 };
 
 /// How good a picture shall be, in the words of people who wait for it.
@@ -179,6 +203,7 @@ class Stage {
 /// One picture of a take.
 struct TakenPicture {
   std::size_t index = 0;
+  PictureLabel label = {};
   Film film = {};                ///< with metadata: scene, camera, environment, samples, …
   DevelopSettings develop = {};  ///< pictures of one take have one exposure, that of the first
   path::Statistics traced = {};  ///< of the engine that made it
@@ -200,18 +225,31 @@ struct TakeResult {
 };
 
 /// A shot in progress: its file is open, its pictures can be made. Warnings go to `diagnostics`, which must outlive it.
+///
+/// Pictures come in this order, the last of them changing first: variants, animations, the moments of a sequence,
+/// viewpoints, turns. What is the same for several of them is made once: the file is read once; one acceleration
+/// structure, or what is uploaded, serves all viewpoints.
 class Take {
  public:
   /// Opens the file. Throws Error.
   explicit Take(Shot shot, Diagnostics* diagnostics = nullptr, std::shared_ptr<Stage> stage = nullptr);
+  ~Take();
+  Take(const Take&) = delete;
+  Take& operator=(const Take&) = delete;
 
   /// All files that the scene is read from.
   std::vector<io::ReferencedFile> files() const { return asset_.files(); }
+  /// Of every picture, in their order.
+  std::vector<PictureLabel> labels() const;
   /// Loads scene and light and chooses views and moments; otherwise render() does it. Throws Error for what the scene
   /// lacks.
   void prepare();
   /// How its pictures are developed, as far as known; after prepare().
   const DevelopSettings& develop() const { return develop_; }
+  /// From where every picture is taken, in their order, at the shot's first moment; after prepare().
+  std::vector<View> views() const;
+  /// Of a sequence: how many pictures a second show it as fast as it moves.
+  std::optional<double> real_time_rate(std::size_t index) const;
 
   /// Makes the pictures one after the other and passes each to `take`. After a stop the current one is passed as it is,
   /// and no other is begun; throws Interrupted if there is none. Partial pictures have their metadata. Throws Error as
@@ -219,17 +257,34 @@ class Take {
   TakeResult render(const std::function<void(TakenPicture)>& take, const Job& job = {});
 
  private:
-  void choose_moments();
+  /// Of what a picture is.
+  struct Planned {
+    std::optional<std::string> variant;
+    std::string animation;
+    double moment_s = 0.0;      ///< from the animation's start
+    double step_s = 0.0;        ///< to the next moment of it
+    std::size_t viewpoint = 0;  ///< of viewpoints_
+    PictureLabel label;
+
+    bool has_same_scene(const Planned& other) const {
+      return variant == other.variant && animation == other.animation && moment_s == other.moment_s;
+    }
+  };
+  struct Viewpoints;
+
+  std::vector<std::string> chosen_variants() const;
+  void plan();
+  void plan_moments(const std::optional<std::string>& variant, const std::string& animation, PictureLabel label);
+  Extent extent_of_all(const Scene& first);
   void choose_camera();
   void choose_denoiser();
-  View choose_view(const Scene& scene, std::string& description) const;
-  void set_lens(const Scene& scene, View& view) const;
-  Scene scene_at(double moment_s);
+  Scene scene_at(const Planned& planned, double moment_s);
+  std::shared_ptr<const Scene> scene_of(std::size_t index);
   Ground ground_of(const Scene& scene) const;
   std::shared_ptr<const Scene> first_scene();
   path::Tracer new_tracer(std::shared_ptr<const Scene> scene);
   View view_at(const Scene& scene, std::size_t index) const;
-  std::map<std::string, std::string> metadata(double samples_per_pixel, bool is_denoised) const;
+  std::map<std::string, std::string> metadata(std::size_t index, double samples_per_pixel, bool is_denoised) const;
   void take_noise_out(TakenPicture& picture, const Job& job) const;
   void hand_over(TakenPicture picture, TakeResult& result, const std::function<void(TakenPicture)>& take);
   path::Settings settings_of_trace() const;
@@ -237,6 +292,8 @@ class Take {
   Film trace_one(std::size_t index, const Job& job, path::Statistics& statistics);
   Film trace_moving(std::size_t index, const Job& job, path::Statistics& statistics);
   TakeResult draw(const std::function<void(TakenPicture)>& take, const Job& job);
+  std::unique_ptr<raster::Drawer> drawer_of(const std::shared_ptr<const Scene>& scene, const Job& job);
+  void make_drawable(std::size_t index, std::unique_ptr<raster::Drawer>& drawer, const Job& job);
   Film draw_one(std::size_t index, raster::Drawer& drawer, const Job& job, raster::Statistics& statistics);
   void warn(std::string message) const;
 
@@ -245,17 +302,17 @@ class Take {
   std::shared_ptr<Stage> stage_;
   Asset asset_;
   bool is_prepared_ = false;
-  bool is_moving_ = false;                  ///< an animation is shown
-  std::vector<double> moments_s_;           ///< of each picture, from the animation's start
+  bool is_moving_ = false;  ///< an animation is shown
+  std::vector<Planned> planned_;
   std::optional<std::size_t> camera_node_;  ///< the scene's own camera, used if no other is chosen
   bool has_own_camera_ = false;             ///< it may move
   std::optional<Ground> ground_;            ///< once a scene is there to stand on it
   std::shared_ptr<const Scene> scene_;      ///< of the first picture
   Environment environment_;
-  std::vector<View> views_;
+  std::unique_ptr<Viewpoints> viewpoints_;
   DevelopSettings develop_;
-  std::string camera_;                  ///< in words, for the metadata
-  std::optional<path::Tracer> tracer_;  ///< of the scene that was traced last
+  std::optional<path::Tracer> tracer_;        ///< of the scene that was traced last
+  std::shared_ptr<const Scene> scene_drawn_;  ///< last
 };
 
 }  // namespace candela

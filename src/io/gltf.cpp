@@ -65,8 +65,13 @@ std::vector<std::size_t> GltfFile::find_animations(const std::string& name) cons
   return io::find_animations(parts_->document.root(), name);
 }
 
-Scene GltfFile::scene(Diagnostics& diagnostics, const std::optional<Pose>& pose) {
+Scene GltfFile::scene(Diagnostics& diagnostics, const std::optional<Pose>& pose,
+                      const std::optional<std::string>& variant) {
   Parts& p = *parts_;
+  if (variant && *variant != p.options.variant) {
+    p.options.variant = *variant;
+    p.kept.meshes.clear();  // they name materials of another
+  }
   Loader loader(p.document, p.uris, p.buffers, p.options, p.bytes.size(), diagnostics);
   Scene scene = loader.load(p.info, pose, &p.kept);
   if (scene.name.empty()) scene.name = p.scene_name;

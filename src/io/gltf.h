@@ -144,7 +144,9 @@ class GltfFile {
   /// materials, cameras and lights, whose numbers differ where an animation moves them; images too, unless a material
   /// at a moment does not read one; meshes differ where they are skinned or morphed, or where a texture turns that
   /// tangents follow; what nodes hold, where they are hidden.
-  Scene scene(Diagnostics& diagnostics, const std::optional<Pose>& pose = std::nullopt);
+  /// With `variant` it wears that one in place of LoadOptions::variant.
+  Scene scene(Diagnostics& diagnostics, const std::optional<Pose>& pose = std::nullopt,
+              const std::optional<std::string>& variant = std::nullopt);
 
  private:
   struct Parts;

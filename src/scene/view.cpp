@@ -11,8 +11,6 @@
 namespace candela {
 namespace {
 
-/// The subject touches this part of the picture's half-size where it is tightest.
-constexpr float kFill = 0.92f;
 constexpr float kSensorHeight = 0.024f;
 
 mat4 rigid(vec3 right, vec3 up, vec3 back, vec3 eye) {
@@ -31,35 +29,6 @@ mat4 without_scale(const mat4& m, const std::string& where) {
   const vec3 z = back / back_length;
   const vec3 x = right / right_length;
   return rigid(x, glm::cross(z, x), z, vec3(m[3]));
-}
-
-/// Where the camera stands along one axis of the picture: its distance and how far it is shifted sideways.
-struct AxisFit {
-  float distance;
-  float shift;
-};
-
-/// The nearest place from where every corner (sideways, towards the camera) is seen within the slope `k`. A corner is
-/// inside when |sideways - shift| <= k (distance - towards): each side bounds distance and shift linearly, so there is
-/// a closed form.
-AxisFit fit_axis(const std::array<vec2, 8>& corners, float k) {
-  float right = -kInfinity, left = -kInfinity;
-  for (const vec2 c : corners) {
-    right = std::max(right, c.x + k * c.y);
-    left = std::max(left, -c.x + k * c.y);
-  }
-  return {.distance = (right + left) / (2.0f * k), .shift = 0.5f * (right - left)};
-}
-
-/// The shift that centres the corners as seen from `distance`, on the axis that is perhaps not the tight one: the slope
-/// for which `distance` is just right is found by halving.
-float centered_shift(const std::array<vec2, 8>& corners, float k, float distance) {
-  float lower = 0.0f, upper = k;
-  for (int i = 0; i < 40; ++i) {
-    const float middle = 0.5f * (lower + upper);
-    (fit_axis(corners, middle).distance > distance ? lower : upper) = middle;
-  }
-  return fit_axis(corners, upper).shift;
 }
 
 PerspectiveCamera fit(PerspectiveCamera camera, float aspect) {
@@ -107,41 +76,6 @@ const Node* find_camera_node(const Scene& scene, const std::string& wanted) {
 }
 
 }  // namespace
-
-View frame_box(const Box3& box, float aspect, float yfov, const Orbit& orbit) {
-  const Box3 shown = box.empty() ? Box3{vec3(-0.5f), vec3(0.5f)} : box;
-  const vec3 center = shown.center();
-  // A subject without extent still needs a place to be seen from.
-  const vec3 half_size = glm::max(0.5f * shown.size(), vec3(1e-5f + 1e-5f * glm::length(center)));
-
-  const float ca = std::cos(orbit.azimuth), sa = std::sin(orbit.azimuth);
-  const float ce = std::cos(orbit.elevation), se = std::sin(orbit.elevation);
-  const vec3 back(sa * ce, se, ca * ce);
-  const vec3 right(ca, 0.0f, -sa);
-  const vec3 up = glm::cross(back, right);
-
-  const float tan_y = std::tan(0.5f * yfov);
-  const float ky = kFill * tan_y, kx = ky * aspect;
-  std::array<vec2, 8> across, upwards;  // (sideways, towards the camera) of every corner
-  float nearest = -kInfinity;
-  for (std::size_t i = 0; i < 8; ++i) {
-    const vec3 p = half_size * vec3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f);
-    across[i] = {glm::dot(p, right), glm::dot(p, back)};
-    upwards[i] = {glm::dot(p, up), glm::dot(p, back)};
-    nearest = std::max(nearest, glm::dot(p, back));
-  }
-  const float fitting = std::max(fit_axis(across, kx).distance, fit_axis(upwards, ky).distance);
-  const float near_limit = nearest + 1e-3f * glm::length(half_size);
-  const float whole = std::max(fitting, near_limit);
-  const float distance = whole * orbit.distance_scale;
-  const vec3 shift = centered_shift(across, kx, whole) * right + centered_shift(upwards, ky, whole) * up;
-
-  View view;
-  view.world_from_camera = rigid(right, up, back, center + shift + distance * back);
-  view.projection = PerspectiveCamera{.yfov = yfov, .aspect_ratio = aspect};
-  view.lens.focus_distance = distance;
-  return view;
-}
 
 View look_at(vec3 eye, vec3 target, float yfov) {
   const vec3 offset = eye - target;

@@ -32,15 +32,13 @@ struct View {
 /// DevelopSettings::background.
 enum class Background { environment, transparent };
 
-/// Three-quarter view (azimuth 35°, elevation 20° unless given, degrees) of the whole box with a margin of about 8 %,
-/// for the picture's aspect ratio. `distance_scale` 1 fits; 0.5 is twice as close. Azimuth 0 looks along -z (sees +z
-/// sides), positive azimuth moves the camera towards +x.
+/// Where around a subject the camera is. Azimuth 0 looks along -z (sees +z sides), positive azimuth moves the camera
+/// towards +x. `distance_scale` 1 fits, see frame(); 0.5 is twice as close.
 struct Orbit {
-  float azimuth = 0.610865f;    ///< radians
-  float elevation = 0.349066f;  ///< radians, up
+  float azimuth = 0.610865f;    ///< radians; 35°
+  float elevation = 0.349066f;  ///< radians, up; 20°
   float distance_scale = 1.0f;
 };
-View frame_box(const Box3& box, float aspect, float yfov, const Orbit& orbit = {});
 
 /// Camera at `eye` looking at `target`; +y is up unless looking along it.
 View look_at(vec3 eye, vec3 target, float yfov);

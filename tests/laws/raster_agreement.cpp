@@ -8,6 +8,7 @@
 #include "path/capture.h"
 #include "raster/packing.h"
 #include "raster/render.h"
+#include "scene/framing.h"
 #include "scene/material_table.h"
 #include "unit/gl/gl_fixture.h"
 #include "unit/path/scenes.h"

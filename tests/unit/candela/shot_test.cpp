@@ -56,6 +56,69 @@ TEST(unit_candela_shot, a_turntable_is_the_scene_from_all_around) {
   EXPECT_FALSE(films_are_identical(pictures[0].film, pictures[2].film));
 }
 
+TEST(unit_candela_shot, views_are_framed_alike_and_share_one_acceleration_structure) {
+  Shot shot = small();
+  shot.views = {"front", "iso"};
+  shot.margin = 0.2f;
+  Take take(shot);
+  const std::vector<PictureLabel> labels = take.labels();
+  ASSERT_EQ(labels.size(), 2u);
+  EXPECT_EQ(labels[0], (PictureLabel{.view = "front"}));
+  EXPECT_EQ(labels[1], (PictureLabel{.view = "iso"}));
+  const std::vector<TakenPicture> pictures = taken(shot);
+  const Scene scene = load(shot.scene);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const View view = frame(Extent(scene), {.orbit = named_orbit(shot.views[i]), .aspect = 1.5f, .margin = 0.2f});
+    const Film expected = path::render(scene, make_environment("furnace"), view, traced_settings(shot));
+    EXPECT_EQ(pictures[i].label, labels[i]);
+    EXPECT_EQ(pictures[i].film.beauty.pixels, expected.beauty.pixels);
+    EXPECT_EQ(pictures[i].film.metadata.at("camera"), shot.views[i]);
+    EXPECT_EQ(pictures[i].traced.build_s > 0.0, i == 0);
+  }
+}
+
+TEST(unit_candela_shot, lists_of_cameras_and_places_on_a_sphere_are_looked_through) {
+  Shot shot = small();
+  const Scene scene = load(shot.scene);
+  const View view = frame(Extent(scene), {.aspect = 1.5f});
+  shot.cameras = {{.name = "a", .view = view, .size = {}, .picture = {}},
+                  {.name = "", .view = view, .size = {}, .picture = {}}};
+  shot.turntable = 2;
+  Take take(shot);
+  take.prepare();
+  std::vector<std::string> names;
+  for (const PictureLabel& label : take.labels()) names.push_back(label.camera);
+  EXPECT_EQ(names, (std::vector<std::string>{"a", "a", "001", "001"}));
+  ASSERT_EQ(take.views().size(), 4u);
+  EXPECT_EQ(take.views()[2].world_from_camera, view.world_from_camera);
+  shot.cameras.clear();
+  shot.turntable.reset();
+  shot.camera_sphere = CameraSphere{.count = 5, .seed = 2};
+  Take around(shot);
+  around.prepare();
+  ASSERT_EQ(around.labels().size(), 5u);
+  EXPECT_EQ(around.labels()[4].camera, "004");
+  const vec3 center = world_bounds(scene).center();
+  const auto distance = [&](const View& v) { return glm::length(vec3(v.world_from_camera[3]) - center); };
+  for (const View& v : around.views()) {
+    EXPECT_NEAR(distance(v), distance(around.views()[0]), 1e-4f);
+    EXPECT_TRUE(sees_something(scene, v));
+  }
+}
+
+TEST(unit_candela_shot, the_scenes_own_camera_can_be_ignored) {
+  Shot shot = small();
+  const Scene scene = load(shot.scene);
+  ASSERT_TRUE(has_camera(scene));
+  Take own(shot);
+  own.prepare();
+  shot.ignores_own_camera = true;
+  Take framed(shot);
+  framed.prepare();
+  EXPECT_EQ(own.views()[0].world_from_camera, default_view(scene, 1.5f).world_from_camera);
+  EXPECT_EQ(framed.views()[0].world_from_camera, frame(Extent(scene), {.aspect = 1.5f}).world_from_camera);
+}
+
 TEST(unit_candela_shot, a_stop_leaves_the_picture_at_hand_and_begins_no_other) {
   Shot shot = small();
   shot.turntable = 3;

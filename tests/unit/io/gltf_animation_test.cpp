@@ -250,5 +250,31 @@ TEST(unit_io_gltf_animation, instances_stand_where_their_attributes_say) {
   EXPECT_THAT(error_of(b), HasSubstr("none of TRANSLATION, ROTATION and SCALE"));
 }
 
+TEST(unit_io_gltf_animation, an_open_file_changes_its_variant_with_what_its_meshes_wear) {
+  Builder b = with_output("translation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0}, 3);
+  b.root["materials"] = {{{"name", "plain"}}, {{"name", "sun"}}, {{"name", "moon"}}};
+  json& primitives = b.root["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[0]["material"] = 0;
+  primitives[1]["material"] = 2;
+  primitives[0]["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}},
+                                                                       {{"material", 2}, {"variants", {1}}}};
+  b.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "day"}}, {{"name", "night"}}};
+  Diagnostics diagnostics;
+  GltfFile file(b.glb(), {}, "test", diagnostics);
+  const auto worn = [&](const std::string& variant) {
+    const Scene scene = file.scene(diagnostics, Pose{{}, 0.5}, variant);
+    std::vector<std::string> names;
+    for (const Primitive& p : scene.meshes.at(0).primitives) {
+      names.push_back(scene.materials.at(static_cast<std::size_t>(p.material)).name);
+    }
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(worn("day"), (Names{"sun", "moon"}));
+  EXPECT_EQ(worn("night"), (Names{"moon", "moon"}));
+  EXPECT_EQ(worn("day"), (Names{"sun", "moon"}));
+}
+
 }  // namespace
 }  // namespace candela::io::test

@@ -13,7 +13,7 @@
 #include "content/make_environment.h"
 #include "image/film.h"
 #include "image/image_file.h"
-#include "scene/view.h"
+#include "scene/framing.h"
 #include "shade/sky.glsl.h"
 #include "unit/base/temp_folder.h"
 

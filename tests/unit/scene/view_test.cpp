@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "scene/framing.h"
 
 namespace candela {
 namespace {
