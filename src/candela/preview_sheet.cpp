@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <set>
 
 #include "image/lettering.h"
 
@@ -85,27 +87,35 @@ std::string about(const NamedFinding& f) {
   return text.empty() ? text : text + ": ";
 }
 
-/// Findings, each in at most two lines.
+Ink ink_of(check::Severity severity) {
+  return severity == check::Severity::error ? kRed : severity == check::Severity::warning ? kOrange : kBlack;
+}
+
+/// Findings, each code once in at most two lines: what repeats for many materials would hide the rest.
 std::vector<Line> findings(const Verdict& v, int width) {
   constexpr std::size_t kLinesEach = 2;
   std::vector<Line> lines{{"check", v.findings.empty() ? "clean" : counts(v)}};
-  for (std::size_t i = 0; i < v.findings.size(); ++i) {
-    const NamedFinding& f = v.findings[i];
-    const bool is_note = f.finding.severity == check::Severity::note;
-    const Ink ink = f.finding.severity == check::Severity::error ? kRed : is_note ? kBlack : kOrange;
-    std::vector<std::string> rows = wrapped(fmt::format("{} {}: {}{}", check::severity_name(f.finding.severity),
-                                                        f.finding.code, about(f), f.finding.message),
-                                            width, LetterSize::text);
+  std::map<std::string, std::size_t> alike;
+  for (const NamedFinding& f : v.findings) ++alike[f.finding.code];
+  std::set<std::string> told;
+  for (const NamedFinding& f : v.findings) {
+    const check::Finding& finding = f.finding;
+    if (!told.insert(finding.code).second) continue;
+    const std::size_t count = alike[finding.code];
+    const std::string code = finding.code + (count > 1 ? fmt::format(" ({})", count) : "");
+    std::vector<std::string> rows =
+        wrapped(fmt::format("{} {}: {}{}", check::severity_name(finding.severity), code, about(f), finding.message),
+                width, LetterSize::text);
     if (rows.size() > kLinesEach) {
       rows.resize(kLinesEach);
       rows.back() = fitted(rows.back() + " …", width, LetterSize::text);
     }
-    const bool is_last = i + 1 == v.findings.size();
+    const bool is_last = told.size() == alike.size();
     if (lines.size() + rows.size() + (is_last ? 0 : 1) > kMostLines) {
-      lines.push_back({"", fmt::format("and {} more: candela check", v.findings.size() - i), kGrey});
+      lines.push_back({"", fmt::format("and {} more kinds: candela check", alike.size() - told.size() + 1), kGrey});
       break;
     }
-    for (std::string& row : rows) lines.push_back({"", std::move(row), ink});
+    for (std::string& row : rows) lines.push_back({"", std::move(row), ink_of(finding.severity)});
   }
   return lines;
 }
