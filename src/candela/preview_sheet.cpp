@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -158,10 +159,11 @@ void lay_out_sheet(const std::vector<DisplayImage>& pictures, Preview& preview) 
   const int width = std::max(kMargin + count * (size + kMargin), 960);
   const int views_at = kMargin + line_height(LetterSize::title) + kMargin / 2;
   const int text_at = views_at + size + line_height(LetterSize::text) + kMargin;
-  // Of the width a quarter each for facts and materials, the rest for findings.
-  const int quarter = (width - kMargin) / 4;
-  const std::vector<std::vector<Line>> columns{facts(preview), materials(preview),
-                                               findings(preview.verdict, 2 * quarter - kMargin)};
+  // Three tenths for facts, two for materials, half for findings.
+  const int tenth = (width - kMargin) / 10;
+  const std::array<int, 3> widths{3 * tenth - kMargin, 2 * tenth - kMargin, 5 * tenth - kMargin};
+  const std::array<std::vector<Line>, 3> columns{facts(preview), materials(preview),
+                                                 findings(preview.verdict, widths[2])};
   std::size_t most = 0;
   for (const auto& lines : columns) most = std::max(most, lines.size());
   Sheet sheet(width, text_at + static_cast<int>(most) * line_height(LetterSize::text) + kMargin);
@@ -175,9 +177,9 @@ void lay_out_sheet(const std::vector<DisplayImage>& pictures, Preview& preview) 
     draw_text(sheet.image, view.corner.x, views_at + size + 2, view.name, kGrey);
   }
   int x = kMargin;
-  for (const auto& lines : columns) {
-    sheet.column(lines, x, text_at, &lines == &columns.back() ? 2 * quarter - kMargin : quarter - kMargin);
-    x += quarter;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    sheet.column(columns[i], x, text_at, widths[i]);
+    x += widths[i] + kMargin;
   }
   preview.sheet = std::move(sheet.image);
 }
