@@ -36,7 +36,9 @@ void name_folders(std::vector<ListedScene>& scenes) {
   for (const ListedScene& scene : scenes) ++shared[lower_case(scene.stem)];
   for (ListedScene& scene : scenes) {
     if (shared[lower_case(scene.stem)] < 2 || scene.name.starts_with("demo:")) continue;
-    const std::string folder = folder_name(fs::path(scene.name).parent_path());
+    // One of the current folder keeps its name.
+    const fs::path parent = fs::path(scene.name).lexically_normal().parent_path();
+    const std::string folder = parent.empty() ? "" : folder_name(parent);
     if (!folder.empty()) scene.stem = folder + "-" + scene.stem;
   }
 }

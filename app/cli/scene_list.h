@@ -9,8 +9,8 @@ namespace candela::cli {
 struct ListedScene {
   std::string name;
   /// What its picture is called below a folder of pictures, without an extension: of a scene that was named itself its
-  /// own name, FOLDER-NAME where others share it; of one found below a folder its path from there, after the folder's
-  /// name where several were given.
+  /// own name, FOLDER-NAME where others share it and it is not of the current folder; of one found below a folder its
+  /// path from there, after the folder's name where several were given.
   std::string stem;
 };
 

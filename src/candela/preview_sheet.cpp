@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <map>
+#include <set>
 
 #include "image/lettering.h"
 
@@ -85,27 +88,35 @@ std::string about(const NamedFinding& f) {
   return text.empty() ? text : text + ": ";
 }
 
-/// Findings, each in at most two lines.
+Ink ink_of(check::Severity severity) {
+  return severity == check::Severity::error ? kRed : severity == check::Severity::warning ? kOrange : kBlack;
+}
+
+/// Findings, each code once in at most two lines: what repeats for many materials would hide the rest.
 std::vector<Line> findings(const Verdict& v, int width) {
   constexpr std::size_t kLinesEach = 2;
   std::vector<Line> lines{{"check", v.findings.empty() ? "clean" : counts(v)}};
-  for (std::size_t i = 0; i < v.findings.size(); ++i) {
-    const NamedFinding& f = v.findings[i];
-    const bool is_note = f.finding.severity == check::Severity::note;
-    const Ink ink = f.finding.severity == check::Severity::error ? kRed : is_note ? kBlack : kOrange;
-    std::vector<std::string> rows = wrapped(fmt::format("{} {}: {}{}", check::severity_name(f.finding.severity),
-                                                        f.finding.code, about(f), f.finding.message),
-                                            width, LetterSize::text);
+  std::map<std::string, std::size_t> alike;
+  for (const NamedFinding& f : v.findings) ++alike[f.finding.code];
+  std::set<std::string> told;
+  for (const NamedFinding& f : v.findings) {
+    const check::Finding& finding = f.finding;
+    if (!told.insert(finding.code).second) continue;
+    const std::size_t count = alike[finding.code];
+    const std::string code = finding.code + (count > 1 ? fmt::format(" ({})", count) : "");
+    std::vector<std::string> rows =
+        wrapped(fmt::format("{} {}: {}{}", check::severity_name(finding.severity), code, about(f), finding.message),
+                width, LetterSize::text);
     if (rows.size() > kLinesEach) {
       rows.resize(kLinesEach);
       rows.back() = fitted(rows.back() + " …", width, LetterSize::text);
     }
-    const bool is_last = i + 1 == v.findings.size();
+    const bool is_last = told.size() == alike.size();
     if (lines.size() + rows.size() + (is_last ? 0 : 1) > kMostLines) {
-      lines.push_back({"", fmt::format("and {} more: candela check", v.findings.size() - i), kGrey});
+      lines.push_back({"", fmt::format("and {} more kinds: candela check", alike.size() - told.size() + 1), kGrey});
       break;
     }
-    for (std::string& row : rows) lines.push_back({"", std::move(row), ink});
+    for (std::string& row : rows) lines.push_back({"", std::move(row), ink_of(finding.severity)});
   }
   return lines;
 }
@@ -148,10 +159,11 @@ void lay_out_sheet(const std::vector<DisplayImage>& pictures, Preview& preview) 
   const int width = std::max(kMargin + count * (size + kMargin), 960);
   const int views_at = kMargin + line_height(LetterSize::title) + kMargin / 2;
   const int text_at = views_at + size + line_height(LetterSize::text) + kMargin;
-  // Of the width a quarter each for facts and materials, the rest for findings.
-  const int quarter = (width - kMargin) / 4;
-  const std::vector<std::vector<Line>> columns{facts(preview), materials(preview),
-                                               findings(preview.verdict, 2 * quarter - kMargin)};
+  // Three tenths for facts, two for materials, half for findings.
+  const int tenth = (width - kMargin) / 10;
+  const std::array<int, 3> widths{3 * tenth - kMargin, 2 * tenth - kMargin, 5 * tenth - kMargin};
+  const std::array<std::vector<Line>, 3> columns{facts(preview), materials(preview),
+                                                 findings(preview.verdict, widths[2])};
   std::size_t most = 0;
   for (const auto& lines : columns) most = std::max(most, lines.size());
   Sheet sheet(width, text_at + static_cast<int>(most) * line_height(LetterSize::text) + kMargin);
@@ -165,9 +177,9 @@ void lay_out_sheet(const std::vector<DisplayImage>& pictures, Preview& preview) 
     draw_text(sheet.image, view.corner.x, views_at + size + 2, view.name, kGrey);
   }
   int x = kMargin;
-  for (const auto& lines : columns) {
-    sheet.column(lines, x, text_at, &lines == &columns.back() ? 2 * quarter - kMargin : quarter - kMargin);
-    x += quarter;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    sheet.column(columns[i], x, text_at, widths[i]);
+    x += widths[i] + kMargin;
   }
   preview.sheet = std::move(sheet.image);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "base/parallel.h"
@@ -148,6 +149,11 @@ Verdict judge(const std::string& name, const LoadOptions& options, const Job& jo
     if (name.starts_with("demo:")) throw;
     return {name, error.what(), causes(name, options, error)};
   }
+}
+
+bool KnownFinding::operator<(const KnownFinding& other) const {
+  const auto members = [](const KnownFinding& f) { return std::tie(f.file, f.code, f.material, f.texture, f.subject); };
+  return members(*this) < members(other);
 }
 
 KnownFinding identity_of(const std::string& file, const NamedFinding& finding) {

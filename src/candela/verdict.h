@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -34,7 +33,8 @@ struct Verdict {
 struct KnownFinding {
   std::string file, code, material, texture, subject;
 
-  auto operator<=>(const KnownFinding&) const = default;
+  /// An order, to be looked up by.
+  bool operator<(const KnownFinding& other) const;
 };
 KnownFinding identity_of(const std::string& file, const NamedFinding& finding);
 

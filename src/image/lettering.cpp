@@ -68,7 +68,9 @@ std::vector<std::string> wrapped(std::string_view text, int width, LetterSize si
     const std::size_t end = std::min(text.find(' '), text.size());
     const std::string word(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
-    const std::string longer = line.empty() ? word : line + " " + word;
+    std::string longer = line;
+    if (!longer.empty()) longer += ' ';
+    longer += word;
     if (!line.empty() && text_width(longer, size) > width) {
       lines.push_back(fitted(line, width, size));
       line = word;

@@ -137,6 +137,9 @@ class Sets(CliTest):
     def test_scenes_of_one_name_are_told_apart_by_their_folders(self):
         self.assertEqual(self.pictures("models/a/foo.glb", "models/b/foo.glb"), ["a-foo.png", "b-foo.png"])
         self.assertEqual(self.pictures("models/a/foo.glb", "models/top.glb"), ["foo.png", "top.png"])
+        (self.folder / "foo.glb").write_bytes(triangle_glb())
+        self.assertEqual(self.pictures("foo.glb", "./models/a/foo.glb"), ["a-foo.png", "foo.png"])
+        self.assertEqual(self.pictures("./foo.glb", "foo.glb"), ["foo-2.png", "foo.png"])
 
     def test_folders_need_a_folder(self):
         result = self.run_candela("render", "models", "-o", "a.png")

@@ -156,7 +156,7 @@ class Batches(RasterTest):
         for path in ("one.glb", "two.glb", "other/one.glb"):
             (self.folder / path).write_bytes(triangle_glb())
         self.draws("render", "one.glb", "two.glb", "other/one.glb", "-o", "out/", "--engine", "raster", "--size", "16x16")
-        self.assertEqual(sorted(p.name for p in (self.folder / "out").iterdir()), ["one-2.png", "one.png", "two.png"])
+        self.assertEqual(sorted(p.name for p in (self.folder / "out").iterdir()), ["one.png", "other-one.png", "two.png"])
 
     def test_a_broken_scene_does_not_keep_the_others_from_theirs(self):
         (self.folder / "good.glb").write_bytes(triangle_glb())

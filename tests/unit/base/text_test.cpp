@@ -11,7 +11,8 @@ namespace {
 const std::array<std::string, 5> kNames{"render", "info", "bake", "--size", "--spp"};
 
 TEST(unit_base_text, the_nearest_name_is_what_was_mistyped) {
-  EXPECT_EQ(nearest_name("redner", kNames), "render");   // swapped
+  EXPECT_EQ(nearest_name("redner", kNames), "render");
+  EXPECT_EQ(nearest_name("inof", kNames), "info");       // swapped
   EXPECT_EQ(nearest_name("rendr", kNames), "render");    // left out
   EXPECT_EQ(nearest_name("--sizze", kNames), "--size");  // inserted
   EXPECT_EQ(nearest_name("--sise", kNames), "--size");   // exchanged
