@@ -195,6 +195,9 @@ TEST(unit_scene_framing, what_is_flat_is_seen_from_its_front) {
   EXPECT_EQ(azimuth(board(1, 0.0f, false)), std::pair(0.0f, 90.0f));
   EXPECT_EQ(azimuth(board(1, 0.02f, false)), std::pair(35.0f, 20.0f)) << "a landscape";
   EXPECT_EQ(azimuth(board(2, 0.2f, false)), std::pair(35.0f, 20.0f));
+  Scene mirrored = board(2, 0.0f, false);
+  mirrored.nodes[0].world_from_node[0] = vec4(-1, 0, 0, 0);
+  EXPECT_EQ(azimuth(mirrored), std::pair(0.0f, 0.0f)) << "its front stays its front";
 }
 
 TEST(unit_scene_framing, views_that_do_not_exist_are_told_with_those_that_do) {
