@@ -4,18 +4,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/error.h"
-#include "base/file.h"
 #include "cli/json_text.h"
-#include "ibl/cube.h"
 #include "ibl/profile_code.h"
-#include "ibl/profile_files.h"
-#include "image/cube_file.h"
-#include "image/table_file.h"
+#include "image/cube_layout.h"
 
 namespace candela::cli {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 namespace {
