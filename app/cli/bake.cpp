@@ -330,7 +330,7 @@ void follow_profile(const ibl::Profile& profile, BakeOptions& o) {
   if (!o.has_size) o.bake.size = profile.size;
   if (!o.has_levels) {
     // Of what the engine filters itself nothing but level 0 is written; a small cube has fewer.
-    const int most = std::bit_width(static_cast<unsigned>(o.bake.size));
+    const auto most = static_cast<int>(std::bit_width(static_cast<unsigned>(o.bake.size)));
     o.bake.levels = profile.is_filtered ? std::min(profile.levels, most) : 1;
   }
   o.bake.roughness.clear();
