@@ -44,7 +44,7 @@ void follow_profile(std::optional<int> size, std::optional<int> levels, BakeOrde
   ibl::BakeSettings& s = order.settings;
   s.size = size.value_or(profile.size);
   // Of what the engine filters itself nothing but level 0 is written; a small cube has fewer.
-  const int most = std::bit_width(static_cast<unsigned>(s.size));
+  const auto most = static_cast<int>(std::bit_width(static_cast<unsigned>(s.size)));
   s.levels = levels.value_or(profile.is_filtered ? std::min(profile.levels, most) : 1);
   s.roughness.clear();
   for (int level = 0; level < s.levels; ++level) {
