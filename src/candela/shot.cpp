@@ -349,7 +349,7 @@ void Take::prepare() {
   environment_ = has_own_light
                      ? scene_->image_light->environment
                      : stage_->environment(shot_.environment.value_or(default_environment(*scene_)), diagnostics_);
-  const bool has_more_moments = planned_.back().moment_s != planned_[0].moment_s || shot_.shutter_s > 0.0;
+  const bool has_more_moments = shot_.sequence.value_or(1) > 1 || shot_.shutter_s > 0.0;
   if (has_own_light && is_moving_ && has_more_moments && asset_.moves_image_light(planned_[0].animation)) {
     warn("the image-based light moves, and stands as at the first moment");
   }

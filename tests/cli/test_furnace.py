@@ -38,8 +38,9 @@ class Furnace(CliTest):
         self.refuses("furnace", "--threads", "0", says="0")
         self.refuses("furnace", "helmet.glb", says="helmet.glb")
 
-    def test_a_folder_that_is_absent_is_told_before_the_work(self):
-        self.fails("furnace", "-o", "absent/sheet.png", says="absent")
+    def test_a_folder_that_cannot_be_made_is_told_before_the_work(self):
+        (self.folder / "file").write_text("")
+        self.fails("furnace", "-o", "file/sheet.png", says="file")
 
 
 if __name__ == "__main__":
