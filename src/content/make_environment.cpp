@@ -68,7 +68,8 @@ void check_environment_name(const std::string& name) {
 }
 
 bool is_built_in_environment(const std::string& name) {
-  return name == "studio" || is_kind_of_studio(name) || name == "sky" || name.starts_with("sky:") || name == "furnace" || name == "none";
+  return name == "studio" || is_kind_of_studio(name) || name == "sky" || name.starts_with("sky:") ||
+         name == "furnace" || name == "none";
 }
 
 Environment make_environment(const std::string& name_or_path, Diagnostics* diagnostics) {
