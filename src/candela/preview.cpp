@@ -1,12 +1,12 @@
 #include "candela/preview.h"
 
-#include <array>
 #include <memory>
 #include <utility>
 
 #include "candela/preview_sheet.h"
 #include "content/make_environment.h"
 #include "denoise/denoise.h"
+#include "scene/framing.h"
 
 namespace candela {
 
@@ -14,11 +14,9 @@ namespace {
 
 constexpr float kYfov = radians(30.0f);  // long enough for sides to look like sides
 
-const std::array<PreviewView, 4>& preview_views() {
-  static const std::array<PreviewView, 4> views{{{"front", {0.0f, 0.0f, 1.0f}, {}},
-                                                 {"right", {radians(90.0f), 0.0f, 1.0f}, {}},
-                                                 {"top", {0.0f, radians(90.0f), 1.0f}, {}},
-                                                 {"three-quarter", {}, {}}}};
+std::vector<PreviewView> preview_views() {
+  std::vector<PreviewView> views;
+  for (const char* name : {"front", "right", "top", "three-quarter"}) views.push_back({name, named_orbit(name)});
   return views;
 }
 
@@ -26,7 +24,7 @@ const std::array<PreviewView, 4>& preview_views() {
 class ModelPictures {
  public:
   ModelPictures(std::shared_ptr<const Scene> scene, const PreviewSettings& settings)
-      : scene_(std::move(scene)), settings_(settings), box_(subject_bounds(*scene_)) {
+      : scene_(std::move(scene)), settings_(settings), extent_(*scene_) {
     const Environment light = settings.environment ? make_environment(*settings.environment) : default_light(*scene_);
     develop_ = default_develop(*scene_, light);
     if (settings.engine == Engine::path) {
@@ -36,9 +34,12 @@ class ModelPictures {
     }
   }
 
-  /// Pictures of one studio have one exposure, that of the first.
+  /// Where it is best seen from.
+  Orbit default_orbit() const { return candela::default_orbit(*scene_, extent_.bounds()); }
+
+  /// All have one exposure, that of the first.
   DisplayImage picture(const Orbit& orbit, const std::optional<vec3>& background, const Job& job) {
-    const View view = frame_box(box_, 1.0f, kYfov, orbit);
+    const View view = frame(extent_, {.orbit = orbit, .yfov = kYfov});
     const Film film = tracer_ ? traced(view, job) : drawn(view, job);
     if (job.is_stopped()) throw Interrupted("the pictures are not done");
     if (!develop_.exposure) develop_.exposure = metered_exposure(film);
@@ -66,7 +67,7 @@ class ModelPictures {
 
   std::shared_ptr<const Scene> scene_;
   const PreviewSettings& settings_;
-  Box3 box_;
+  Extent extent_;
   DevelopSettings develop_;
   std::optional<path::Tracer> tracer_;
   std::unique_ptr<raster::Drawer> drawer_;
@@ -115,12 +116,12 @@ Preview describe(const std::string& scene, const PreviewSettings& settings, cons
 Preview make_preview(const std::string& scene, const PreviewSettings& settings, const Job& job) {
   constexpr vec3 kPaper(0.8f);
   check_engine(settings);
-  const auto& views = preview_views();
+  const std::vector<PreviewView> views = preview_views();
   const JobParts parts(job, views.size() + 1);
   JudgedScene judged = judge_scene(scene, load_options(settings), parts.part(0, "judging, "), settings.limits);
   Preview preview = described(judged);
   preview.view_size = settings.view_size;
-  preview.views.assign(views.begin(), views.end());
+  preview.views = views;
   ModelPictures pictures_of(std::make_shared<const Scene>(std::move(judged.scene)), settings);
   std::vector<DisplayImage> pictures;
   // What fills the picture most says most of its light.
@@ -135,7 +136,7 @@ DisplayImage make_thumbnail(const std::string& scene, const PreviewSettings& set
   check_engine(settings);
   ModelPictures pictures_of(std::make_shared<const Scene>(load(scene, job.diagnostics, load_options(settings))),
                             settings);
-  return pictures_of.picture({}, std::nullopt, job);
+  return pictures_of.picture(pictures_of.default_orbit(), std::nullopt, job);
 }
 
 }  // namespace candela
