@@ -16,7 +16,7 @@ namespace candela {
 
 struct PreviewSettings {
   int view_size = 320;  ///< pixels of each view, both ways
-  int samples = 8;      ///< per pixel, denoised
+  int samples = 4;      ///< per pixel, denoised
   Engine engine = Engine::path;
   LoadOptions load = {};
   std::optional<std::string> environment = {};  ///< a name for make_environment(); empty = the scene's own choice
