@@ -420,6 +420,10 @@ void check_engine(const Command& command, const RenderOptions& o) {
     refuse({"--exposure", "--tonemap", "--bloom"}, why);
     if (raster::is_of_surface(o.shot.drawn.quantity)) refuse({"--msaa"}, why);
   }
+  const raster::Quantity shown = o.shot.drawn.quantity;
+  if (shown != raster::Quantity::light && shown != raster::Quantity::luminance) {
+    refuse({"--ground"}, "only all light shows a ground, and --view is a part of it");
+  }
   if (o.shot.probes > 0) refuse({"--ambient"}, "without effect on light from --probes");
   if (o.shot.f_number && o.samples.value_or(2) == 1) {
     throw UsageError("--f-number: of one frame everything is sharp: --spp 2 or more");

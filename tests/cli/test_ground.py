@@ -46,6 +46,7 @@ class Ground(CliTest):
             (("--ground", "2,2,2"), "no ground reflects more"),
             (("--ground", "white", "--background", "env"), "paper is the background"),
             (("--ground-height", "1"), "only with --ground"),
+            (("--ground", "shadow", "--engine", "raster", "--view", "normal"), "--ground: only all light"),
             (("--studio", "beige"), "unknown studio.*white, grey, dark, three-point"),
         ):
             self.refuses(*BALL, "-o", "a.png", *options, says=why)
