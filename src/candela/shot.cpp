@@ -30,16 +30,20 @@ std::string prefix_of(std::size_t index, std::size_t count) {
 /// How much of the progress of a picture that is denoised is that of its samples.
 constexpr double kShareOfSamples = 0.97;
 
+/// The row of a table that has a name.
+template <class Rows>
+const auto& row_named(const Rows& rows, std::string_view name, const char* what) {
+  std::string known;
+  for (const auto& row : rows) {
+    if (row.name == name) return row;
+    known += (known.empty() ? "" : ", ") + std::string(row.name);
+  }
+  throw Error(fmt::format("unknown {} \"{}\" (known: {})", what, name, known));
+}
+
 }  // namespace
 
-Quality parse_quality(std::string_view name) {
-  std::string known;
-  for (const QualityInfo& info : kQualities) {
-    if (info.name == name) return info.quality;
-    known += (known.empty() ? "" : ", ") + std::string(info.name);
-  }
-  throw Error("unknown quality \"" + std::string(name) + "\" (known: " + known + ")");
-}
+Quality parse_quality(std::string_view name) { return row_named(kQualities, name, "quality").quality; }
 
 void set_quality(Quality quality, Shot& shot) {
   for (const QualityInfo& info : kQualities) {
@@ -51,14 +55,7 @@ void set_quality(Quality quality, Shot& shot) {
   }
 }
 
-Studio parse_studio(std::string_view name) {
-  std::string known;
-  for (const StudioInfo& info : kStudios) {
-    if (info.name == name) return info.studio;
-    known += (known.empty() ? "" : ", ") + std::string(info.name);
-  }
-  throw Error("unknown studio \"" + std::string(name) + "\" (known: " + known + ")");
-}
+Studio parse_studio(std::string_view name) { return row_named(kStudios, name, "studio").studio; }
 
 void set_studio(Studio studio, Shot& shot) {
   for (const StudioInfo& info : kStudios) {
