@@ -9,6 +9,7 @@ import dataclasses
 import json
 import os
 import pathlib
+import pty
 import shutil
 import struct
 import subprocess
@@ -49,6 +50,27 @@ class CliTest(unittest.TestCase):
             **options,
         )
         return Result(done.returncode, (done.stdout or b"").decode(), done.stderr.decode())
+
+    def on_terminal(self, *arguments, environment=None):
+        """Its exit code, and what a terminal gets that is its standard error."""
+        try:
+            master, slave = pty.openpty()
+        except OSError as error:
+            self.skipTest(f"no terminals here: {error}")
+        process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, stdin=subprocess.DEVNULL, stderr=slave,
+                                   env={**(environment or os.environ), "TERM": "xterm"})  # fmt: skip
+        os.close(slave)
+        seen = b""
+        while True:
+            try:
+                block = os.read(master, 4096)
+            except OSError:
+                break
+            if not block:
+                break
+            seen += block
+        os.close(master)
+        return process.wait(), seen.decode()
 
     def start_candela(self, *arguments):
         process = subprocess.Popen(

@@ -2,8 +2,6 @@
 """Ctrl-C and SIGTERM: what is there is kept, and the exit code tells whether something is missing."""
 
 import json
-import os
-import pty
 import re
 import signal
 import subprocess
@@ -89,25 +87,9 @@ class Raster(StopTest, RasterTest):
         self.assertEqual((self.folder / "a.png").exists(), done.code == 0)
 
     def test_frames_are_shown_on_a_terminal(self):
-        try:
-            master, slave = pty.openpty()
-        except OSError as error:
-            self.skipTest(f"no terminals here: {error}")
-        process = subprocess.Popen([PROGRAM, *self.LONG, "--turntable", "2", "--spp", "8", "-o", "%d.png"],
-                                   cwd=self.folder, stderr=slave, env={**self.environment, "TERM": "xterm"})  # fmt: skip
-        os.close(slave)
-        seen = b""
-        while True:
-            try:
-                block = os.read(master, 4096)
-            except OSError:
-                break
-            if not block:
-                break
-            seen += block
-        os.close(master)
-        self.assertEqual(process.wait(), 0)
-        self.assertRegex(seen.decode(), r"\r\[[#.]+\] +\d+ %  picture \d of 2, frame \d of 8")
+        code, seen = self.on_terminal(*self.LONG, "--turntable", "2", "--spp", "8", "-o", "%d.png", environment=self.environment)
+        self.assertEqual(code, 0)
+        self.assertRegex(seen, r"\r\[[#.]+\] +\d+ %  picture \d of 2, frame \d of 8")
 
 
 class Path(StopTest, CliTest):
