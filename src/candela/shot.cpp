@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/named_row.h"
 #include "base/stopwatch.h"
 #include "candela/viewpoint.h"
 #include "path/statistics.h"
@@ -30,20 +31,9 @@ std::string prefix_of(std::size_t index, std::size_t count) {
 /// How much of the progress of a picture that is denoised is that of its samples.
 constexpr double kShareOfSamples = 0.97;
 
-/// The row of a table that has a name.
-template <class Rows>
-const auto& row_named(const Rows& rows, std::string_view name, const char* what) {
-  std::string known;
-  for (const auto& row : rows) {
-    if (row.name == name) return row;
-    known += (known.empty() ? "" : ", ") + std::string(row.name);
-  }
-  throw Error(fmt::format("unknown {} \"{}\" (known: {})", what, name, known));
-}
-
 }  // namespace
 
-Quality parse_quality(std::string_view name) { return row_named(kQualities, name, "quality").quality; }
+Quality parse_quality(std::string_view name) { return row_named(kQualities, name, "unknown quality").quality; }
 
 void set_quality(Quality quality, Shot& shot) {
   for (const QualityInfo& info : kQualities) {
@@ -55,7 +45,7 @@ void set_quality(Quality quality, Shot& shot) {
   }
 }
 
-Studio parse_studio(std::string_view name) { return row_named(kStudios, name, "studio").studio; }
+Studio parse_studio(std::string_view name) { return row_named(kStudios, name, "unknown studio").studio; }
 
 void set_studio(Studio studio, Shot& shot) {
   for (const StudioInfo& info : kStudios) {

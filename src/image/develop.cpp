@@ -11,6 +11,7 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "base/named_row.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "image/bloom.h"
@@ -198,15 +199,7 @@ std::vector<MeterPixel> lit_pixels(const Image& beauty) {
 
 }  // namespace
 
-ToneCurve parse_tone_curve(std::string_view name) {
-  std::string known;
-  for (const ToneCurveInfo& info : kToneCurves) {
-    if (info.name == name) return info.curve;
-    known += known.empty() ? "" : ", ";
-    known += info.name;
-  }
-  throw Error("unknown tone curve \"" + std::string(name) + "\" (known: " + known + ")");
-}
+ToneCurve parse_tone_curve(std::string_view name) { return row_named(kToneCurves, name, "unknown tone curve").curve; }
 
 std::string_view tone_curve_name(ToneCurve curve) { return kToneCurves[place_of(curve)].name; }
 

@@ -4,18 +4,11 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/named_row.h"
 
 namespace candela {
 
-Layer parse_layer(std::string_view name) {
-  std::string known;
-  for (const LayerInfo& info : kLayers) {
-    if (info.name == name) return info.layer;
-    known += known.empty() ? "" : ", ";
-    known += info.name;
-  }
-  throw Error("unknown layer \"" + std::string(name) + "\" (known: " + known + ")");
-}
+Layer parse_layer(std::string_view name) { return row_named(kLayers, name, "unknown layer").layer; }
 
 float alpha_before(vec3 through) {
   const vec3 kept = 1.0f - through;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/named_row.h"
 #include "math/box.h"
 
 namespace candela {
@@ -130,12 +131,8 @@ std::vector<vec3> Extent::outline(int count) const {
 }
 
 Orbit named_orbit(std::string_view name) {
-  std::string known;
-  for (const NamedView& view : kNamedViews) {
-    if (view.name == name) return {.azimuth = radians(view.azimuth_deg), .elevation = radians(view.elevation_deg)};
-    known += (known.empty() ? "" : ", ") + std::string(view.name);
-  }
-  throw Error("there is no view \"" + std::string(name) + "\" (known: " + known + ")");
+  const NamedView& view = row_named(kNamedViews, name, "there is no view");
+  return {.azimuth = radians(view.azimuth_deg), .elevation = radians(view.elevation_deg)};
 }
 
 namespace {
