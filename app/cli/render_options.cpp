@@ -470,7 +470,11 @@ void check_engine(const Command& command, const RenderOptions& o) {
   if (raster::shows_numbers(o.shot.drawn.quantity)) {
     const std::string why = "--view shows numbers, which are left as they are";
     refuse({"--exposure", "--tonemap", "--bloom"}, why);
-    if (raster::is_of_surface(o.shot.drawn.quantity)) refuse({"--msaa"}, why);
+    if (raster::is_of_surface(o.shot.drawn.quantity)) {
+      refuse({"--msaa"}, why);
+      refuse({"--ao", "--soft-shadows", "--light-radius", "--ambient", "--probes", "--vignetting"},
+             "--view shows a number of the surface, which no light changes");
+    }
   }
   const raster::Quantity shown = o.shot.drawn.quantity;
   if (shown != raster::Quantity::light && shown != raster::Quantity::luminance) {

@@ -154,7 +154,9 @@ void BopWriter::add(const TakenPicture& picture, const fs::path& file, std::size
   const double unit = depth_unit(depth);
   const fs::path folder = scene_folder(folder_, number);
   write_depth(folder / "depth" / file.filename(), depth, unit / kMillimetres);
-  const glm::dmat3& k = rigid.matrix.k;
+  // The format's own tools take the middle of the first pixel for (0, 0).
+  glm::dmat3 k = rigid.matrix.k;
+  k[2] -= dvec3(0.5, 0.5, 0.0);
   const dvec3 t = kMillimetres * dvec3(camera_from_world[3]);
   files.cameras[image] = {{"cam_K", numbers(k)},
                           {"depth_scale", unit},

@@ -513,7 +513,7 @@ Film Drawer::Impl::draw_frames(View view, const MomentOf& moment, const Job& job
   if (shows_ground() && settings_.background == Background::environment) {
     show_background(frame_camera(view, settings_.width, settings_.height, {}), environment_, film);
   }
-  if (!shows_numbers(settings_.quantity)) apply_vignetting(view, film.beauty);
+  if (!is_of_surface(settings_.quantity)) apply_vignetting(view, film.beauty);
   scale_numbers(settings_.quantity, renderer_->scene().bounds(), film.beauty);
   if (settings_.quantity == Quantity::luminance) show_false_colors(film.beauty);
   for (const auto& [kind, sums] : mattes) {

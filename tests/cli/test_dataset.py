@@ -114,8 +114,8 @@ class Dataset(CliTest):
                 lower = [min(p[i] for p in points) for i in range(3)]
                 self.assertAlmostEqual(models[str(pose["obj_id"])]["min_x"], lower[0], 2)
                 seen = [[sum(r[3 * i + j] * p[j] for j in range(3)) + t[i] for i in range(3)] for p in points]
-                us = [k[0] * p[0] / p[2] + k[1] * p[1] / p[2] + k[2] for p in seen]
-                vs = [k[4] * p[1] / p[2] + k[5] for p in seen]
+                us = [k[0] * p[0] / p[2] + k[1] * p[1] / p[2] + k[2] + 0.5 for p in seen]
+                vs = [k[4] * p[1] / p[2] + k[5] + 0.5 for p in seen]
                 x, y, w, h = facts["bbox_obj"]
                 # Pixels whose centres the model covers, of what is in the picture.
                 for low, high, start, size, side in ((min(us), max(us), x, w, 90), (min(vs), max(vs), y, h, 60)):
@@ -123,6 +123,12 @@ class Dataset(CliTest):
                     self.assertLess(abs(min(high, side) - start - size), 1.6)
                 visible = png_numbers(scene / f"mask_visib/00000{image}_{number:06}.png")[3]
                 self.assertEqual(facts["px_count_visib"], sum(v > 0 for row in visible for v in row))
+                if pose["obj_id"] == 1:  # a ball of 50 mm about its origin: depths lie on it
+                    where = [(x, y) for y, row in enumerate(visible) for x, v in enumerate(row) if v]
+                    for u, v in where:
+                        z = depth[v][u] * camera[image]["depth_scale"]
+                        p = [(u - k[2]) / k[0] * z - t[0], (v - k[5]) / k[4] * z - t[1], z - t[2]]
+                        self.assertLess(abs(math.hypot(*p) - 50), 1.0)
                 near = min(p[2] for p in seen)
                 found = [d * camera[image]["depth_scale"]
                          for row, mask in zip(depth, visible) for d, v in zip(row, mask) if v]  # fmt: skip
