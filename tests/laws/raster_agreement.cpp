@@ -521,6 +521,7 @@ TEST_F(law_raster, faces_and_places_of_relief_shared_and_mirrored_meshes_are_tho
   Primitive holed = sphere({0, -0.9f, 0.2f}, 0.4f, 2, true);
   holed.positions.push_back(vec3(50.0f));
   holed.normals.push_back(vec3(0, 1, 0));
+  holed.uvs[0].push_back(vec2(0.0f));
   b.add(holed, matte(vec3(0.5f)));
   path::Settings traced = centred(kSize, 1, 1);
   raster::Settings settings = drawn(kSize);
@@ -539,8 +540,8 @@ TEST_F(law_raster, faces_and_places_of_relief_shared_and_mirrored_meshes_are_tho
 TEST_F(law_raster, several_frames_show_what_one_shows_at_the_same_place) {
   // Brightness along a card is a straight line, which no even jitter changes.
   SceneBuilder b;
-  Primitive card = quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0});
-  for (const vec3& p : card.positions) card.colors.emplace_back(vec3(0.5f) + 0.2f * vec3(p.x, p.y, -p.x), 1.0f);
+  Primitive card = quad({-9, -9, 0}, {18, 0, 0}, {0, 18, 0});
+  for (const vec3& p : card.positions) card.colors.emplace_back(vec3(0.5f) + 0.05f * vec3(p.x, p.y, -p.x), 1.0f);
   b.add(card, unlit(vec3(1.0f)));
   raster::Settings settings = drawn(kSize);
   const Film one = draw(b.build(), dark_environment(), sphere_view(), settings);
