@@ -21,8 +21,6 @@ namespace candela::path {
 
 namespace {
 
-constexpr float kOpacityOfLayers = 0.5f;  // from here on a surface counts as the first, as in other renderers' layers
-
 /// What the filter callbacks need to know of a ray beside Embree's own context, which must come first.
 struct QueryContext {
   RayContext base;

@@ -74,7 +74,7 @@ enum class DepthPass {
   solid,  ///< depth of what is there as far as light is concerned: masks cut out, of blended surfaces the opaque part
   first_layer,   ///< depth of blended surfaces where something shows through
   next_layer,    ///< the same beyond the depth of `last_layer`
-  first_veil,    ///< as first_layer, and the share of light that passes
+  first_veil,    ///< the share of light that passes those at the depth of `last_layer`
   passing_veil,  ///< the share alone
 };
 

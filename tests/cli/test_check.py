@@ -497,6 +497,15 @@ class Bodies(CheckTest):
         asset.join_last_mesh()
         self.clean(asset)
 
+    def test_a_hollow_may_be_a_node_or_a_material_of_its_own(self):
+        for has_own_material in (False, True):
+            asset = self.body(self.glass(thickness=0.3))
+            asset.cube(asset.material(self.glass(thickness=0.3)) if has_own_material else 0, side=0.4, inward=True)
+            self.clean(asset)
+        asset = self.body(self.glass(thickness=0.3))
+        asset.cube(0, side=0.4, inward=True)["translation"] = [3, 0, 0]
+        self.only(asset, "volume-inside-out", "warning")
+
     def test_bodies_of_one_mesh_close_each_other(self):
         asset = self.body(drop=[5])
         asset.cube(asset.material(self.glass()), drop=[0, 1, 2, 3, 4])

@@ -211,8 +211,8 @@ void main() {
 #endif
 #endif
 #ifdef SHOW
-#if SHOW != SHOW_opacity && SHOW != SHOW_overdraw
-  if (opacity < 0.5) discard;  // shown is what is there for the better part
+#if defined(ALPHA_BLEND) && SHOW != SHOW_opacity && SHOW != SHOW_overdraw
+  if (opacity < kOpacityOfLayers) discard;  // shown is what is there for the better part
 #endif
   o_color = quantity(opacity);
 #else

@@ -114,6 +114,20 @@ TEST(unit_path_layers, mattes_sum_to_the_coverage) {
   EXPECT_LT(differing, 24 * 24 / 20);
 }
 
+TEST(unit_path_layers, half_opacity_between_vertices_is_there_at_every_pixel) {
+  SceneBuilder b;
+  Material veil = unlit(vec3(1.0f));
+  veil.alpha_mode = AlphaMode::blend;
+  Primitive front = quad({-2, -2, 1}, {4, 0, 0}, {0, 4, 0});
+  front.colors.assign(front.positions.size(), vec4(1, 1, 1, 0.5f));
+  b.add(front, veil);
+  b.add(quad({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}), matte(vec3(0.5f)));
+  path::Settings s = settings(64, 1, 1);
+  s.layers = {Layer::instance};
+  const Film film = shoot(b.build(), dark_environment(), look_at({0, 0, 5}, vec3(0.0f), 0.5f), s);
+  for (const float number : film.layers.at(Layer::instance).pixels) ASSERT_EQ(number, 1.0f);
+}
+
 TEST(unit_path_layers, masks_reach_behind_what_hides_them) {
   path::Settings s = settings(48, 1, 1);
   s.has_masks = true;
