@@ -207,25 +207,25 @@ std::vector<std::string> parse_names(const std::string& text) {
   return names;
 }
 
-std::set<Layer> parse_layers(const std::string& text) {
-  std::set<Layer> layers;
+namespace {
+
+/// Of names with commas between them.
+template <class Parse>
+auto parse_set(std::string_view text, Parse parse) {
+  std::set<decltype(parse(text))> values;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    layers.insert(parse_layer(std::string_view(text).substr(begin, end - begin)));
+    values.insert(parse(text.substr(begin, end - begin)));
     begin = end + 1;
   }
-  return layers;
+  return values;
 }
 
-std::set<MatteKind> parse_mattes(const std::string& text) {
-  std::set<MatteKind> kinds;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    kinds.insert(parse_matte_kind(std::string_view(text).substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  return kinds;
-}
+}  // namespace
+
+std::set<Layer> parse_layers(const std::string& text) { return parse_set(text, parse_layer); }
+
+std::set<MatteKind> parse_mattes(const std::string& text) { return parse_set(text, parse_matte_kind); }
 
 path::PixelFilter parse_filter(const std::string& text) {
   using enum path::PixelFilter;

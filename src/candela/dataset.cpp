@@ -100,32 +100,32 @@ std::optional<std::array<int, 4>> box_of(const PixelMask& mask) {
   return std::array{low.x, low.y, high.x - low.x + 1, high.y - low.y + 1};
 }
 
-std::vector<InstanceView> view_instances(const TakenPicture& picture, const std::vector<Instance>& instances) {
+void for_instances(const TakenPicture& picture, const std::vector<Instance>& instances,
+                   const std::function<void(const InstanceView&)>& visit) {
   const ivec2 size(picture.film.width(), picture.film.height());
-  std::map<int, std::size_t> place_of;  // by node
-  std::vector<InstanceView> views(instances.size());
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    const std::vector<bool> none(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
-    views[i] = {&instances[i], {size, none}, {size, none}};
-    for (const int node : instances[i].nodes) place_of[node] = i;
-  }
   const Image& numbers = picture.film.layers.at(Layer::instance);
-  for (std::size_t i = 0; i < numbers.pixels.size(); ++i) {
-    const auto found = place_of.find(static_cast<int>(numbers.pixels[i]) - 1);
-    if (found != place_of.end()) views[found->second].visible.bits[i] = true;
-  }
-  for (const InstanceMask& mask : *picture.film.masks) {
-    const auto found = place_of.find(mask.node);
-    if (found == place_of.end()) continue;
-    for (int y = mask.corner.y; y < mask.corner.y + mask.size.y; ++y) {
-      for (int x = mask.corner.x; x < mask.corner.x + mask.size.x; ++x) {
-        const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x) + static_cast<std::size_t>(x);
-        if (mask.covers({x, y})) views[found->second].amodal.bits[at] = true;
+  std::map<int, const InstanceMask*> mask_of;  // by node
+  for (const InstanceMask& mask : *picture.film.masks) mask_of[mask.node] = &mask;
+  const std::vector<bool> none(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
+  for (const Instance& instance : instances) {
+    InstanceView view{&instance, {size, none}, {size, none}};
+    bool is_there = false;
+    for (const int node : instance.nodes) {
+      const auto found = mask_of.find(node);
+      if (found == mask_of.end()) continue;
+      is_there = true;
+      const InstanceMask& mask = *found->second;
+      for (int y = mask.corner.y; y < mask.corner.y + mask.size.y; ++y) {
+        for (int x = mask.corner.x; x < mask.corner.x + mask.size.x; ++x) {
+          if (!mask.covers({x, y})) continue;
+          const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x) + static_cast<std::size_t>(x);
+          view.amodal.bits[at] = true;
+          if (static_cast<int>(numbers.pixels[at]) == node + 1) view.visible.bits[at] = true;
+        }
       }
     }
+    if (is_there) visit(view);
   }
-  std::erase_if(views, [](const InstanceView& view) { return count(view.amodal) == 0 && count(view.visible) == 0; });
-  return views;
 }
 
 void write_made(const fs::path& path, std::span<const std::byte> bytes) {
@@ -191,9 +191,8 @@ class Dataset::Impl {
     if (kind_ == DatasetKind::transforms) return add_pose(picture, file);
     const std::vector<Instance> instances = instances_of(*picture.scene, instance_kind_, stem);
     if (kind_ == DatasetKind::bop) return bop_.add(picture, file, scene, instances);
-    const std::vector<InstanceView> views = view_instances(picture, instances);
-    if (kind_ == DatasetKind::coco) return add_annotations(picture, file, views);
-    add_masks(picture, file, views, stem);
+    if (kind_ == DatasetKind::coco) return add_annotations(picture, file, instances);
+    add_masks(picture, file, instances, stem);
   }
 
   void finish() {
@@ -223,13 +222,13 @@ class Dataset::Impl {
 
   std::string name_of(const fs::path& file) const { return file.lexically_relative(folder_).generic_string(); }
 
-  void add_masks(const TakenPicture& picture, const fs::path& file, const std::vector<InstanceView>& views,
+  void add_masks(const TakenPicture& picture, const fs::path& file, const std::vector<Instance>& all,
                  const std::string& stem) {
     constexpr std::uint32_t kMost = 65535;
     const ivec2 size(picture.film.width(), picture.film.height());
     std::vector<std::uint32_t> numbers(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
     Json instances = Json::array();
-    for (const InstanceView& view : views) {
+    for_instances(picture, all, [&](const InstanceView& view) {
       const std::uint32_t number = view.instance->number;
       if (number > kMost)
         throw Error("an instance's number is above what 16 bits hold: " + std::to_string(number), stem);
@@ -246,7 +245,7 @@ class Dataset::Impl {
                            {"amodal_pixels", count(view.amodal)},
                            {"amodal_box", box_json(view.amodal)},
                            {"visible_fraction", visible_fraction(view)}});
-    }
+    });
     write_made(beside(file, "-instance"), encode_grey_png(size, 16, numbers));
     pictures_.push_back(
         {{"file", name_of(file)}, {"width", size.x}, {"height", size.y}, {"scene", stem}, {"instances", instances}});
@@ -258,15 +257,15 @@ class Dataset::Impl {
     return found->second;
   }
 
-  void add_annotations(const TakenPicture& picture, const fs::path& file, const std::vector<InstanceView>& views) {
+  void add_annotations(const TakenPicture& picture, const fs::path& file, const std::vector<Instance>& instances) {
     const std::size_t image = pictures_.size() + 1;
     pictures_.push_back({{"id", image},
                          {"file_name", name_of(file)},
                          {"width", picture.film.width()},
                          {"height", picture.film.height()}});
-    for (const InstanceView& view : views) {
+    for_instances(picture, instances, [&](const InstanceView& view) {
       const int number = category(view.instance->category);
-      if (count(view.visible) == 0) continue;
+      if (count(view.visible) == 0) return;
       annotations_.push_back({{"id", annotations_.size() + 1},
                               {"image_id", image},
                               {"category_id", number},
@@ -279,7 +278,7 @@ class Dataset::Impl {
                               {"visible_fraction", visible_fraction(view)},
                               {"instance", view.instance->number},
                               {"name", view.instance->name}});
-    }
+    });
   }
 
   void add_pose(const TakenPicture& picture, const fs::path& file) {

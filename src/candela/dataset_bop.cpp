@@ -167,7 +167,7 @@ void BopWriter::add(const TakenPicture& picture, const fs::path& file, std::size
                {"fy", k[1][1]}, {"height", size.y}, {"width", size.x}};
   }
   Json poses = Json::array(), infos = Json::array();
-  for (const InstanceView& view : view_instances(picture, instances)) {
+  for_instances(picture, instances, [&](const InstanceView& view) {
     const Scene& scene = *picture.scene;
     const bool is_node = view.instance->nodes.size() == 1;
     const glm::dmat4 world =
@@ -191,7 +191,7 @@ void BopWriter::add(const TakenPicture& picture, const fs::path& file, std::size
                      {"px_count_valid", valid},
                      {"px_count_visib", seen},
                      {"visib_fract", all > 0 ? static_cast<double>(seen) / static_cast<double>(all) : 0.0}});
-  }
+  });
   files.poses[image] = std::move(poses);
   files.infos[image] = std::move(infos);
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -35,8 +36,9 @@ struct InstanceView {
   PixelMask visible;
   PixelMask amodal;
 };
-/// Those that are in the frame, hidden or not.
-std::vector<InstanceView> view_instances(const TakenPicture& picture, const std::vector<Instance>& instances);
+/// Visits those that are in the frame, hidden or not, one after the other: there may be thousands.
+void for_instances(const TakenPicture& picture, const std::vector<Instance>& instances,
+                   const std::function<void(const InstanceView&)>& visit);
 
 /// Into a folder that is made for it.
 void write_made(const std::filesystem::path& path, std::span<const std::byte> bytes);
