@@ -16,8 +16,9 @@ using figures::escaped;
 constexpr const char* kStyle = R"css(
 :root { color-scheme: light dark; }
 body { font: 15px/1.5 system-ui, sans-serif; margin: 1em; }
-h1, h2 { line-height: 1.2; overflow-wrap: anywhere; }
-pre { white-space: pre-wrap; }
+h1, h2 { line-height: 1.2; overflow-wrap: anywhere; font-size: 1.4em; }
+h2 { font-size: 1.1em; margin-bottom: 0; }
+pre { white-space: pre-wrap; margin: .3em 0 .6em; }
 nav { display: none; position: sticky; top: 0; z-index: 1; padding: .5em 0; background: Canvas; gap: .5em; flex-wrap: wrap; }
 .scripted nav { display: flex; }
 button { font: inherit; padding: .35em .9em; }
@@ -84,7 +85,7 @@ std::string pair_html(const Compared& c, const std::optional<float>& max_flip) {
   constexpr int kSmall = 256;  // pixels; below, they are shown as squares
   std::string html =
       fmt::format("<section{}><h2>{}</h2>\n<pre>{}</pre>\n", c.is_beyond(max_flip) ? " class=\"beyond\"" : "",
-                  escaped(c.title()), escaped(difference_text(c)));
+                  escaped(c.title()), escaped(finding_text(c)));
   if (c.difference) {
     const PictureDifference& d = *c.difference;
     html += fmt::format("<div class=\"pictures{}\" style=\"--aspect: {:.6g}\">\n", d.size.x < kSmall ? " small" : "",

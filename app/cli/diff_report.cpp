@@ -68,12 +68,14 @@ Json difference_json(const Compared& c, const std::optional<float>& max_flip) {
 
 }  // namespace
 
-std::string difference_text(const Compared& c) {
-  if (!c.difference) return fmt::format("{}: {}\n", one_line(c.title()), one_line(absence_text(c)));
+std::string difference_text(const Compared& c) { return one_line(c.title()) + ": " + finding_text(c); }
+
+std::string finding_text(const Compared& c) {
+  if (!c.difference) return one_line(absence_text(c)) + "\n";
   const PictureDifference& d = *c.difference;
   const double pixels = static_cast<double>(d.size.x) * static_cast<double>(d.size.y);
-  std::string text = fmt::format("{}: FLIP {:.4f} in the mean, {:.4f} at most; {}\n", one_line(c.title()), d.flip,
-                                 d.flip_max, layer_text(d.layers.front(), pixels));
+  std::string text = fmt::format("FLIP {:.4f} in the mean, {:.4f} at most; {}\n", d.flip, d.flip_max,
+                                 layer_text(d.layers.front(), pixels));
   for (std::size_t i = 1; i < d.layers.size(); ++i) {
     text += fmt::format("  {}: {}\n", one_line(d.layers[i].layer), layer_text(d.layers[i], pixels));
   }

@@ -29,6 +29,8 @@ struct Compared {
 /// Why there is no difference.
 std::string absence_text(const Compared& compared);
 std::string difference_text(const Compared& compared);
+/// The same without its title.
+std::string finding_text(const Compared& compared);
 std::string report_json(const std::vector<Compared>& all, const std::optional<float>& max_flip);
 
 /// All of it in one file, the worst pair at the top; first and second beside each other, one over the other with a

@@ -103,7 +103,7 @@ class Models(CliTest):
         self.assertGreater(front["flip"], 0.01)
         self.assertEqual(right["flip"], 0, "a sheet seen from its edge")
         self.fails("diff", "a.glb", "b.glb", "--max-flip", "0.001", *SMALL,
-                   says=r"b\.glb front: FLIP 0\.\d+ is above 0\.001 .*, and 1 more")  # fmt: skip
+                   says=r"b\.glb front: FLIP 0\.\d+ is above 0\.001")  # fmt: skip
 
     def test_the_same_command_gives_the_same_bytes_with_any_number_of_threads(self):
         self.model("a.glb"), self.model("b.glb", red=1)
@@ -116,7 +116,7 @@ class Models(CliTest):
         pairs = self.pairs("a.glb", "b.glb", "--cameras", "sphere:3,7")
         self.assertEqual([pair["camera"] for pair in pairs], ["000", "001", "002"])
         self.assertEqual(len(self.pairs("a.glb", "b.glb", "--orbit", "0,0")), 1)
-        self.succeeds("render", "a.glb", *TINY, "-q", "--views", "front,iso", "--write-cameras", "transforms.json",
+        self.succeeds("render", "a.glb", *SMALL, "--views", "front,iso", "--write-cameras", "transforms.json",
                       "-o", "p-{view}.png")  # fmt: skip
         pairs = self.pairs("a.glb", "b.glb", "--cameras", "transforms.json")
         self.assertEqual([pair["camera"] for pair in pairs], ["p-front", "p-iso"])
@@ -153,7 +153,7 @@ class Models(CliTest):
         (self.folder / "broken.glb").write_bytes(b"glTF")
         self.fails("diff", "a.glb", "broken.glb", *SMALL, says="broken.glb")
         self.fails("diff", "a.glb", "b.glb", *SMALL, "-o", "a.html", "--variant", "red", says="a.glb.*no variant 'red'")
-        self.fails("diff", "a.glb", "b.glb", *SMALL, "--size", "16384x16384", "--cameras", "sphere:1000", says="1000 pictures of")
+        self.fails("diff", "a.glb", "b.glb", "--size", "16384x16384", "--cameras", "sphere:1000", says="1000 pictures of")
 
     def test_what_is_compared_is_not_overwritten(self):
         scene = json.loads(candela.variants_gltf())
