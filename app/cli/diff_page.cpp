@@ -18,7 +18,7 @@ constexpr const char* kStyle = R"css(
 body { font: 15px/1.5 system-ui, sans-serif; margin: 1em; }
 h1, h2 { line-height: 1.2; overflow-wrap: anywhere; font-size: 1.4em; }
 h2 { font-size: 1.1em; margin-bottom: 0; }
-pre { white-space: pre-wrap; margin: .3em 0 .6em; }
+pre { white-space: pre-wrap; overflow-wrap: anywhere; margin: .3em 0 .6em; }
 nav { display: none; position: sticky; top: 0; z-index: 1; padding: .5em 0; background: Canvas; gap: .5em; flex-wrap: wrap; }
 .scripted nav { display: flex; }
 button { font: inherit; padding: .35em .9em; }
