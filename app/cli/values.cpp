@@ -238,6 +238,16 @@ std::set<Layer> parse_layers(const std::string& text) {
   return layers;
 }
 
+std::set<MatteKind> parse_mattes(const std::string& text) {
+  std::set<MatteKind> kinds;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    kinds.insert(parse_matte_kind(std::string_view(text).substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return kinds;
+}
+
 path::PixelFilter parse_filter(const std::string& text) {
   using enum path::PixelFilter;
   return one_of(text, std::array<std::pair<std::string_view, path::PixelFilter>, 3>{

@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "candela/objects.h"
 #include "candela/viewpoint.h"
 #include "path/statistics.h"
+#include "scene/surface_layers.h"
 
 namespace candela {
 
@@ -341,6 +343,10 @@ void Take::prepare() {
   choose_views(extent_of_all(*scene_));
   choose_develop();
   choose_denoiser();
+  const bool is_still = !step_of(0) && shot_.turntable.value_or(1) == 1;
+  if (is_still && shot_.layers.contains(Layer::motion)) {
+    warn("motion is 0: nothing moves from one picture to the next without --sequence, --shutter or --turntable");
+  }
   is_prepared_ = true;
 }
 
@@ -430,6 +436,7 @@ Film Take::trace_moving(std::size_t index, const Job& job, path::Statistics& sta
   for (int i = 0; i < count && !statistics.interrupted; ++i) {
     const auto scene = std::make_shared<const Scene>(
         scene_at(planned_[index], planned_[index].moment_s + shot_.shutter_s * (i + 0.5) / count));
+    if (i == 0) scene_shown_ = scene;
     const View view = view_at(*scene, index);
     const path::Tracer tracer(scene, far_light(), shot_.shading);
     path::Statistics one;
@@ -458,12 +465,53 @@ Film Take::trace_one(std::size_t index, const Job& job, path::Statistics& statis
   if (is_other) tracer_.reset();  // before there is another
   double build_s = 0.0;
   if (!tracer_) {
-    tracer_.emplace(new_tracer(scene_of(index)));
+    scene_shown_ = scene_of(index);
+    tracer_.emplace(new_tracer(scene_shown_));
     build_s = tracer_->build_s();
   }
   Film film = tracer_->render(view_at(tracer_->scene(), index), settings_of_trace(), job, &statistics);
   statistics.build_s = build_s + std::exchange(light_s_, 0.0);
   return film;
+}
+
+/// How long after a picture the next one is, or its own exposure ends; none where nothing moves from one to the next.
+std::optional<double> Take::step_of(std::size_t index) const {
+  if (!is_moving_) return std::nullopt;
+  if (shot_.sequence.value_or(1) > 1) return planned_[index].step_s;
+  return shot_.shutter_s > 0.0 ? std::optional(shot_.shutter_s) : std::nullopt;
+}
+
+/// Of a turntable that of the next turn, after the last the first; else the picture's own.
+std::size_t Take::next_viewpoint(std::size_t index) const {
+  const auto turns = static_cast<std::size_t>(shot_.turntable.value_or(1));
+  const std::size_t viewpoint = planned_[index].viewpoint, first = viewpoint / turns * turns;
+  return first + (viewpoint - first + 1) % turns;
+}
+
+Image Take::motion_of(const TakenPicture& picture) {
+  const SurfaceMap& map = *picture.film.surfaces;
+  const std::size_t index = picture.index;
+  if (const std::optional<double> step = step_of(index)) {
+    // A sequence's exposure begins with its moment; the map is of the middle of the first part of it.
+    const Scene next = scene_at(planned_[index], planned_[index].moment_s + *step);
+    return motion_layer(*picture.scene, picture.view, map, next, view_at(next, index));
+  }
+  const View& next = viewpoints_->all[next_viewpoint(index)].view;
+  const bool is_still = next_viewpoint(index) == planned_[index].viewpoint;
+  return motion_layer(*picture.scene, picture.view, map, *picture.scene, is_still ? picture.view : next);
+}
+
+/// What the engine does not know.
+void Take::complete(TakenPicture& picture) {
+  picture.scene = scene_shown_;
+  picture.view = view_at(*scene_shown_, picture.index);
+  if (picture.film.surfaces) {
+    picture.film.layers[Layer::motion] = motion_of(picture);
+    picture.film.surfaces.reset();
+  }
+  const bool has_numbers =
+      std::any_of(shot_.layers.begin(), shot_.layers.end(), [](Layer layer) { return layer_info(layer).is_number; });
+  if (has_numbers) picture.film.metadata["objects"] = objects_json(*scene_shown_);
 }
 
 /// Stopped on the way, it is the picture as it was traced, which is not what was asked for.
@@ -509,6 +557,7 @@ TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job&
     if (shot_.denoiser) take_noise_out(picture, parts.part(index, prefix_of(index, result.asked)));
     result.denoise_s += picture.denoise_s;
     picture.film.metadata.merge(metadata(index, picture.traced.mean_samples_per_pixel, picture.is_denoised));
+    complete(picture);
     add_work(picture.traced, result.traced);
     result.traced.mean_samples_per_pixel = picture.traced.mean_samples_per_pixel;
     hand_over(std::move(picture), result, take);
@@ -528,11 +577,12 @@ Film Take::draw_one(std::size_t index, raster::Drawer& drawer, const Job& job, r
       const double share = (frame + 0.5) / settings.frames;
       const auto scene =
           std::make_shared<const Scene>(scene_at(planned_[index], planned_[index].moment_s + shot_.shutter_s * share));
+      if (frame == 0) scene_shown_ = scene;
       return raster::Moment{scene, view_at(*scene, index)};
     };
     return drawer.render(moment, settings, job, &statistics);
   }
-  return drawer.render(view_at(*scene_drawn_, index), settings, job, &statistics);
+  return drawer.render(view_at(*scene_shown_, index), settings, job, &statistics);
 }
 
 constexpr int kProbeSamples = 64;
@@ -542,14 +592,14 @@ constexpr int kProbeSamples = 64;
 void Take::make_drawable(std::size_t index, std::unique_ptr<raster::Drawer>& drawer, const Job& job) {
   const bool is_first = drawer == nullptr;
   if (!is_first && planned_[index].has_same_scene(planned_[index - 1])) return;
-  scene_drawn_ = scene_of(index);
+  scene_shown_ = scene_of(index);
   if (is_first) {
-    drawer = std::make_unique<raster::Drawer>(scene_drawn_, environment_, shot_.shading, stage_->device());
+    drawer = std::make_unique<raster::Drawer>(scene_shown_, environment_, shot_.shading, stage_->device());
   } else {
-    drawer->set_scene(scene_drawn_);
+    drawer->set_scene(scene_shown_);
   }
   if (shot_.probes > 0 && (is_first || planned_[index].variant != planned_[index - 1].variant)) {
-    drawer->set_probes(bake_probes(path::Tracer(scene_drawn_, far_light()), shot_.probes, kProbeSamples, job));
+    drawer->set_probes(bake_probes(path::Tracer(scene_shown_, far_light()), shot_.probes, kProbeSamples, job));
   }
 }
 
@@ -564,6 +614,7 @@ TakeResult Take::draw(const std::function<void(TakenPicture)>& take, const Job& 
     make_drawable(index, drawer, part);
     picture.film = draw_one(index, *drawer, part, picture.drawn);
     picture.film.metadata.merge(metadata(index, picture.drawn.frames, false));
+    complete(picture);
     add_work(picture.drawn, result.drawn);
     hand_over(std::move(picture), result, take);
     result.interrupted |= result.done < result.asked && job.is_stopped();

@@ -46,6 +46,8 @@ struct Shot {
   // ----- the picture
   ivec2 size{1280, 720};
   std::set<Layer> layers = {};
+  std::set<MatteKind> mattes = {};
+  bool has_masks = false;  ///< Film::masks
   Background background = Background::environment;
   std::optional<GroundChoice> ground = {};
   bool environment_in_glass = false;  ///< with another background: glass still shows the environment behind it
@@ -208,9 +210,11 @@ class Stage {
 struct TakenPicture {
   std::size_t index = 0;
   PictureLabel label = {};
-  Film film = {};                ///< with metadata: scene, camera, environment, samples, …
-  DevelopSettings develop = {};  ///< pictures of one take have one exposure, that of the first
-  path::Statistics traced = {};  ///< of the engine that made it
+  View view = {};
+  std::shared_ptr<const Scene> scene = {};  ///< as it stands in the picture, or when its exposure begins
+  Film film = {};                           ///< with metadata: scene, camera, environment, samples, …
+  DevelopSettings develop = {};             ///< pictures of one take have one exposure, that of the first
+  path::Statistics traced = {};             ///< of the engine that made it
   raster::Statistics drawn = {};
   double denoise_s = 0.0;
   bool is_denoised = false;  ///< not where a stop came first
@@ -303,6 +307,10 @@ class Take {
   void hand_over(TakenPicture picture, TakeResult& result, const std::function<void(TakenPicture)>& take);
   path::Settings settings_of_trace() const;
   TakeResult trace(const std::function<void(TakenPicture)>& take, const Job& job);
+  std::optional<double> step_of(std::size_t index) const;
+  std::size_t next_viewpoint(std::size_t index) const;
+  Image motion_of(const TakenPicture& picture);
+  void complete(TakenPicture& picture);
   Film trace_one(std::size_t index, const Job& job, path::Statistics& statistics);
   Film trace_moving(std::size_t index, const Job& job, path::Statistics& statistics);
   TakeResult draw(const std::function<void(TakenPicture)>& take, const Job& job);
@@ -328,7 +336,7 @@ class Take {
   std::unique_ptr<Viewpoints> viewpoints_;
   DevelopSettings develop_;
   std::optional<path::Tracer> tracer_;        ///< of the scene that was traced last
-  std::shared_ptr<const Scene> scene_drawn_;  ///< last
+  std::shared_ptr<const Scene> scene_shown_;  ///< of the picture at hand
 };
 
 }  // namespace candela

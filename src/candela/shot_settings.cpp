@@ -35,6 +35,8 @@ Settings with_picture(Settings settings, const Shot& shot) {
   settings.background = shot.background;
   settings.environment_in_glass = shot.environment_in_glass;
   settings.layers = shot.layers;
+  settings.mattes = shot.mattes;
+  settings.has_masks = shot.has_masks;
   return settings;
 }
 

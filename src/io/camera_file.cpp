@@ -257,13 +257,15 @@ json transforms_json(const std::vector<PosedCamera>& cameras, ivec2 size) {
     const RigidCamera rigid = matrix_of_view(camera.view, size);
     const glm::dmat3& k = rigid.matrix.k;
     if (std::abs(k[1][0]) > 1e-4 * k[0][0]) throw Error("a transforms.json has no cameras with skew axes");
-    root["frames"].push_back({{"file_path", camera.picture.empty() ? camera.name : camera.picture},
-                              {"transform_matrix", matrix_json(rounded_matrix(rigid.world_from_camera))},
-                              {"fl_x", rounded(k[0][0], kPixelDigits)},
-                              {"fl_y", rounded(k[1][1], kPixelDigits)},
-                              {"cx", rounded(k[2][0], kPixelDigits)},
-                              {"cy", rounded(k[2][1], kPixelDigits)},
-                              {"camera_angle_x", rounded(2.0 * std::atan(0.5 * size.x / k[0][0]))}});
+    json& frame = root["frames"].emplace_back();
+    frame = {{"file_path", camera.picture.empty() ? camera.name : camera.picture},
+             {"transform_matrix", matrix_json(rounded_matrix(rigid.world_from_camera))},
+             {"fl_x", rounded(k[0][0], kPixelDigits)},
+             {"fl_y", rounded(k[1][1], kPixelDigits)},
+             {"cx", rounded(k[2][0], kPixelDigits)},
+             {"cy", rounded(k[2][1], kPixelDigits)},
+             {"camera_angle_x", rounded(2.0 * std::atan(0.5 * size.x / k[0][0]))}};
+    if (!camera.depth.empty()) frame["depth_file_path"] = camera.depth;
   }
   // Many readers look for the angle in one place only.
   if (!cameras.empty()) root["camera_angle_x"] = root["frames"][0]["camera_angle_x"];

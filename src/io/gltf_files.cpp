@@ -80,8 +80,10 @@ std::vector<ReferencedFile> referenced_files(const Json& root, const UriReader& 
 
 std::vector<ReferencedFile> files_of_source(const fs::path& path, const SceneSource& source) {
   std::vector<ReferencedFile> files = {{path, ""}};
-  for (const std::string& name : source.read) {
-    if (fs::path file = source.files.path(name); !file.empty()) files.push_back({std::move(file), ": " + name});
+  for (const auto* names : {&source.read, &source.mentioned}) {
+    for (const std::string& name : *names) {
+      if (fs::path file = source.files.path(name); !file.empty()) files.push_back({std::move(file), ": " + name});
+    }
   }
   return files;
 }

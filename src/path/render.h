@@ -50,6 +50,8 @@ struct Settings {
   /// False: camera rays that miss the scene see the environment that lights it, not its backdrop.
   bool sees_backdrop = true;
   std::set<Layer> layers{};
+  std::set<MatteKind> mattes{};  ///< Film::mattes has these; lens and motion blur soften them
+  bool has_masks = false;        ///< Film::masks
   /// The film has what a denoiser asks for; pictures of Job::partial do not. Integrator::full only.
   bool has_features = false;
 };

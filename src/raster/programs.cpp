@@ -140,6 +140,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
       text += define(name, i);
     }
     text += define("SHOW", static_cast<int>(pass.quantity));
+    add(pass.is_map, "SURFACE_MAP");
   }
   return text;
 }

@@ -58,6 +58,7 @@ struct PassKey {
   bool is_in_body = false;      ///< the eye is in a body that absorbs
   BlendPart blend_part = BlendPart::all;
   Quantity quantity = Quantity::light;  ///< light, or one of a surface
+  bool is_map = false;                  ///< with Quantity::object_id: which draw, which triangle, and where in it
 
   auto operator<=>(const PassKey&) const = default;  // NOLINT(modernize-use-nullptr): there is none
 };

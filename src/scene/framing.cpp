@@ -201,6 +201,15 @@ Axes axes_of(const Orbit& orbit) {
   return {right, glm::cross(back, right), back};
 }
 
+}  // namespace
+
+double least_size(dvec3 center) {
+  constexpr double kSmallest = 1e-9, kRounding = 4.0 * 0x1p-23;  // metres; of single precision, there
+  return kSmallest + kRounding * glm::length(center);
+}
+
+namespace {
+
 /// Extent relative to a point, of all its positions on a turntable together, and never without a size.
 class Subject {
  public:
@@ -212,7 +221,7 @@ class Subject {
       turns_.emplace_back(std::cos(angle), std::sin(angle));
     }
     size_ = static_cast<double>(glm::length(extent.bounds().size()));
-    const double least = 1e-5 + 1e-5 * glm::length(center_);
+    const double least = least_size(center_);
     ball_ = size_ < least ? least : 0.0;
     size_ = std::max(size_, least);
   }

@@ -14,6 +14,9 @@
 /// Cameras that show a subject as a whole, neither too large nor too small: fitted to its silhouette.
 namespace candela {
 
+/// What is smaller is framed as if it had this size, metres: about what single precision tells apart around `center`.
+double least_size(dvec3 center);
+
 /// How far things reach in any direction, exactly: the support function of their vertices. Vertices are kept in groups
 /// with a box each, so that most are never looked at.
 class Extent {

@@ -840,6 +840,13 @@ class Filters(CheckTest):
         self.assertEqual(self.codes(".", "--baseline", "kept/known.json"), ["albedo-too-bright"])
         self.fails("check", ".", "--baseline", "kept/known.json", "--strict", says="0 errors and 1 warning")
 
+    def test_no_file_that_is_judged_is_overwritten_by_its_findings(self):
+        before = (self.folder / "snow.gltf").read_bytes()
+        self.fails("check", "snow.gltf", "--write-baseline", "./snow.gltf", says="is an input and would be overwritten")
+        self.assertEqual((self.folder / "snow.gltf").read_bytes(), before)
+        self.succeeds("check", "snow.gltf", "--write-baseline", "known.json")
+        self.succeeds("check", "snow.gltf", "--baseline", "known.json", "--write-baseline", "known.json")
+
     def test_what_is_no_baseline_is_one_line(self):
         self.fails("check", ".", "--baseline", "absent.json", says="absent.json: no such file")
         for text in ("", "[]", '{"known_findings": 3}', '{"known_findings": [3]}', "{"):

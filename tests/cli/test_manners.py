@@ -181,6 +181,14 @@ class Sets(CliTest):
 
 
 class Jobs(CliTest):
+    def test_a_job_does_not_overwrite_the_list_that_it_is_of(self):
+        for options in ("-o a.png --stats jobs.txt", "-o a.png --write-cameras ./jobs.json"):
+            name = options.split("/")[-1].split()[-1]
+            result = self.jobs(f"demo:spheres --size 4x4 --spp 1 {options}\n", name=name)
+            self.assertEqual(result.code, 1)
+            self.assertRegex(result.err, "is an input and would be overwritten")
+            self.assertIn("demo:spheres", (self.folder / name).read_text())
+
     def jobs(self, text, *more, name="jobs.txt"):
         (self.folder / name).write_text(text)
         return self.run_candela("render", "--jobs", name, *more)

@@ -40,7 +40,10 @@ uniform highp sampler2D screen_visibility;
 uniform highp sampler2D opaque_picture;
 #endif
 
-#if defined(SHOW) && SHOW == SHOW_id
+#ifdef SURFACE_MAP
+flat in ivec2 v_place;
+in vec2 v_corner;
+#elif defined(SHOW) && SHOW == SHOW_id
 uniform float object_id;
 #endif
 

@@ -245,6 +245,19 @@ TEST(unit_scene_framing, views_that_do_not_exist_are_told_with_those_that_do) {
   }
 }
 
+TEST(unit_scene_framing, what_is_tiny_or_far_away_fills_its_picture_too) {
+  for (const float size : {1e-7f, 1e-6f, 1.0f, 1e6f}) {
+    for (const float far : {0.0f, 1e3f}) {
+      const vec3 center(far * size, 0, -far * size);
+      const Extent extent(Box3{center - 0.5f * size, center + 0.5f * size});
+      const View view = frame(extent, {});
+      const float distance = -transform_point(glm::inverse(view.world_from_camera), center).z;
+      EXPECT_LT(distance, 4.0f * size) << size << " at " << far;
+      EXPECT_GT(distance, 1.0f * size) << size << " at " << far;
+    }
+  }
+}
+
 TEST(unit_scene_framing, a_point_and_nothing_have_a_place_to_be_seen_from) {
   for (const Extent& extent : {Extent(std::vector<vec3>{}), Extent(std::vector<vec3>{vec3(3, 4, 5)})}) {
     for (const bool is_orthographic : {false, true}) {

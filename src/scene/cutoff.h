@@ -1,0 +1,9 @@
+#pragma once
+
+namespace candela {
+
+/// From which alpha on a mask is there: what equals the cutoff is not cut out, whatever became of it in a texture and
+/// between vertices. A quarter of a step of 8 bits.
+inline float drawn_cutoff(float alpha_cutoff) { return alpha_cutoff - 0.25f / 255.0f; }
+
+}  // namespace candela
