@@ -77,7 +77,7 @@ void add_picture(Command& command, RenderOptions& o) {
             "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
       .group(group);
   add_value(command, "--background", "env|transparent|COLOUR", o.background, parse_background,
-            "Behind it all: #rgb, #rrggbb or #rrggbbaa (sRGB), r,g,b (linear), black, grey, white [env]")
+            "Behind it all: #rgb, #rrggbb or #rrggbbaa (sRGB), r,g,b (linear), or a CSS name: rebeccapurple [env]")
       .group(group);
   add_value(command, "--studio", names_of(kStudios, "|"), o.studio, parse_studio,
             "Light, paper and exposure of a product shot; --env, --ground and --background override it [none]")

@@ -189,6 +189,8 @@ class Stage {
   const Environment& environment(const std::string& name, Diagnostics* diagnostics = nullptr);
   /// Opened by the first call. Throws Error without OpenGL.
   std::shared_ptr<raster::Device> device();
+  /// The light of that key, prepared for tracing; the last one is kept.
+  const path::FarLight& far_light(const std::string& key, const Environment& environment);
   /// Of the takes on this stage, none unless it is given a capacity.
   SceneKeep& scenes() { return scenes_; }
 
@@ -199,6 +201,8 @@ class Stage {
   };
   std::map<std::string, Loaded> environments_;
   std::shared_ptr<raster::Device> device_;
+  std::string far_light_key_;
+  std::optional<path::FarLight> far_light_;
   SceneKeep scenes_;
 };
 
@@ -248,6 +252,11 @@ class Take {
   /// Loads scene and light and chooses views and moments; otherwise render() does it. Throws Error for what the scene
   /// lacks.
   void prepare();
+  /// The same for pictures that shall be compared with those of `reference`, which it prepares too: from the same
+  /// places, which frame the subjects of both, a camera of the reference's scene as it stands at the first moment;
+  /// under the environment that the reference has, but for image-based light of the scene's own; on one ground, in one
+  /// exposure. Throws Error where the two do not make the same pictures.
+  void prepare_beside(Take& reference);
   /// How its pictures are developed, as far as known; after prepare().
   const DevelopSettings& develop() const { return develop_; }
   /// From where every picture is taken, in their order, at the shot's first moment; after prepare().
@@ -280,12 +289,17 @@ class Take {
   void plan();
   void plan_moments(const std::optional<std::string>& variant, const std::string& animation, PictureLabel label);
   Extent extent_of_all(const Scene& first);
+  void load_scene();
+  void choose_light(const std::string& wished);
   void choose_camera();
+  void choose_views(const Extent& extent);
+  void choose_develop();
   void choose_denoiser();
   Scene scene_at(const Planned& planned, double moment_s);
   std::shared_ptr<const Scene> scene_of(std::size_t index);
   Ground ground_of(const Scene& scene) const;
   std::shared_ptr<const Scene> first_scene();
+  const path::FarLight& far_light();
   path::Tracer new_tracer(std::shared_ptr<const Scene> scene);
   View view_at(const Scene& scene, std::size_t index) const;
   std::map<std::string, std::string> metadata(std::size_t index, double samples_per_pixel, bool is_denoised) const;
@@ -300,7 +314,6 @@ class Take {
   Film trace_one(std::size_t index, const Job& job, path::Statistics& statistics);
   Film trace_moving(std::size_t index, const Job& job, path::Statistics& statistics);
   TakeResult draw(const std::function<void(TakenPicture)>& take, const Job& job);
-  std::unique_ptr<raster::Drawer> drawer_of(const std::shared_ptr<const Scene>& scene, const Job& job);
   void make_drawable(std::size_t index, std::unique_ptr<raster::Drawer>& drawer, const Job& job);
   Film draw_one(std::size_t index, raster::Drawer& drawer, const Job& job, raster::Statistics& statistics);
   void warn(std::string message) const;
@@ -317,6 +330,9 @@ class Take {
   std::optional<Ground> ground_;            ///< once a scene is there to stand on it
   std::shared_ptr<const Scene> scene_;      ///< of the first picture
   Environment environment_;
+  bool has_own_light_ = false;               ///< that is of the scene's file
+  std::optional<path::FarLight> far_light_;  ///< once something is traced
+  double light_s_ = 0.0;                     ///< what it took to prepare that, until a picture counts it
   std::unique_ptr<Viewpoints> viewpoints_;
   DevelopSettings develop_;
   std::optional<path::Tracer> tracer_;        ///< of the scene that was traced last

@@ -187,30 +187,28 @@ std::string read_text(const fs::path& path) {
 
 }  // namespace
 
-std::vector<PosedCamera> read_cameras(const fs::path& path, ivec2 size) {
-  std::vector<PosedCamera> cameras;
-  const std::string file = path.string();
-  if (lower_extension(path) == ".json") {
-    json document;
-    const std::string text = read_text(path);
-    if (text.find_first_not_of(" \t\r\n") == std::string::npos) throw Error("is empty: there is no camera", file);
-    try {
-      document = json::parse(text);
-    } catch (const json::exception& error) {
-      throw Error(std::string("is no JSON: ") + error.what(), file);
-    }
-    const JsonView root(document, file);
-    if (document.is_array()) {
-      cameras = read_list(root, size);
-    } else if (document.is_object() && document.contains("frames")) {
-      cameras = read_transforms(root, size);
-    } else {
-      throw Error("is neither a transforms.json with frames nor an array of cameras", file);
-    }
-  } else {
-    cameras = read_scene_cameras(path, size);
+std::vector<PosedCamera> parse_cameras(std::string_view text, const std::string& where, ivec2 size) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error("is empty: there is no camera", where);
+  json document;
+  try {
+    document = json::parse(text);
+  } catch (const json::exception& error) {
+    throw Error(std::string("is no JSON: ") + error.what(), where);
   }
-  if (cameras.empty()) throw Error("has no camera", file);
+  const JsonView root(document, where);
+  const bool has_frames = document.is_object() && document.contains("frames");
+  if (!document.is_array() && !has_frames) {
+    throw Error("is neither a transforms.json with frames nor an array of cameras", where);
+  }
+  std::vector<PosedCamera> cameras = has_frames ? read_transforms(root, size) : read_list(root, size);
+  if (cameras.empty()) throw Error("has no camera", where);
+  return cameras;
+}
+
+std::vector<PosedCamera> read_cameras(const fs::path& path, ivec2 size) {
+  if (lower_extension(path) == ".json") return parse_cameras(read_text(path), path.string(), size);
+  std::vector<PosedCamera> cameras = read_scene_cameras(path, size);
+  if (cameras.empty()) throw Error("has no camera", path.string());
   return cameras;
 }
 

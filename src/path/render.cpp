@@ -127,11 +127,12 @@ const Scene& validated(const std::shared_ptr<const Scene>& scene) {
 }  // namespace
 
 struct Tracer::Parts {
-  Parts(std::shared_ptr<const Scene> made_of, const Environment& environment, const shade::ShadingModel& shading)
+  Parts(std::shared_ptr<const Scene> made_of, std::shared_ptr<const PreparedEnvironment> environment,
+        const shade::ShadingModel& shading, double light_s = 0.0)
       : scene(std::move(made_of)),
         geometry(validated(scene), shading),
-        lights(*scene, environment, geometry),
-        build_s(watch.seconds()) {}
+        lights(*scene, std::move(environment), geometry),
+        build_s(light_s + watch.seconds()) {}
 
   Stopwatch watch;
   std::shared_ptr<const Scene> scene;
@@ -535,8 +536,17 @@ std::uint64_t picture_bytes(const Settings& settings) {
                    (has_centre_layer(settings.layers) ? sizeof(SurfaceSample) : 0));
 }
 
-Tracer::Tracer(std::shared_ptr<const Scene> scene, const Environment& environment, const shade::ShadingModel& shading)
-    : parts_(std::make_shared<const Parts>(std::move(scene), environment, shading)) {}
+FarLight::FarLight(const Environment& environment)
+    : prepared_(std::make_shared<const PreparedEnvironment>(environment)) {}
+
+Tracer::Tracer(std::shared_ptr<const Scene> scene, const FarLight& light, const shade::ShadingModel& shading)
+    : parts_(std::make_shared<const Parts>(std::move(scene), light.prepared_, shading)) {}
+
+Tracer::Tracer(std::shared_ptr<const Scene> scene, const Environment& environment, const shade::ShadingModel& shading) {
+  const Stopwatch watch;
+  const FarLight light(environment);
+  parts_ = std::make_shared<const Parts>(std::move(scene), light.prepared_, shading, watch.seconds());
+}
 
 Tracer::Tracer(Scene scene, const Environment& environment, const shade::ShadingModel& shading)
     : Tracer(std::make_shared<const Scene>(std::move(scene)), environment, shading) {}

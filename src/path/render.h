@@ -86,6 +86,18 @@ void check_built();
 /// scene.
 std::uint64_t picture_bytes(const Settings& settings);
 
+struct PreparedEnvironment;
+
+/// The light from infinitely far away, prepared for tracing: tracers of several scenes can share it.
+class FarLight {
+ public:
+  explicit FarLight(const Environment& environment);
+
+ private:
+  friend class Tracer;
+  std::shared_ptr<const PreparedEnvironment> prepared_;
+};
+
 /// A scene with its light, prepared for tracing: acceleration structure, light tables, materials with their textures.
 /// Several threads may render pictures of it at once.
 class Tracer {
@@ -95,13 +107,15 @@ class Tracer {
          const shade::ShadingModel& shading = shade::shading_model_candela());
   Tracer(Scene scene, const Environment& environment,
          const shade::ShadingModel& shading = shade::shading_model_candela());
+  Tracer(std::shared_ptr<const Scene> scene, const FarLight& light,
+         const shade::ShadingModel& shading = shade::shading_model_candela());
 
   /// The picture of a view. The result depends only on the arguments, never on the number of threads (with a time limit
   /// it depends on how many passes fitted). Throws Error for invalid settings and views.
   Film render(const View& view, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr) const;
 
   const Scene& scene() const;
-  double build_s() const;  ///< time it took to construct
+  double build_s() const;  ///< time it took to construct, without a FarLight that was there
 
  private:
   friend class Picture;

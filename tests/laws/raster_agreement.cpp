@@ -1091,7 +1091,7 @@ TEST_F(law_raster, animated_skinned_and_morphed_models_stand_alike) {
     const Scene rest = file.scene(diagnostics);
     const Scene scene = file.scene(diagnostics, io::Pose{sample.animation, sample.moment_s});
     const Box3 bounds = world_bounds(scene);
-    const View view = frame_box(bounds, 1.0f, 0.8f);
+    const View view = frame(Extent(bounds), {.yfov = 0.8f, .margin = 0.04f});
     raster::Settings settings = drawn(kSize);
     settings.layers = {Layer::position};
     path::Settings traced;
