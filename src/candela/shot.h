@@ -330,8 +330,8 @@ class Take {
   void complete(TakenPicture& picture);
   Film trace_one(std::size_t index, const Job& job, path::Statistics& statistics);
   Film trace_kept(std::size_t index, Job job, path::Statistics& statistics);
-  void keep(const path::Picture& picture) const;
-  bool resume(path::Picture& picture) const;
+  void keep(const path::Picture& picture, const std::string& key) const;
+  bool resume(path::Picture& picture, const std::string& key) const;
   std::shared_ptr<const PicturePart> part_of(const TakenPicture& picture) const;
   Film trace_moving(std::size_t index, const Job& job, path::Statistics& statistics);
   TakeResult draw(const std::function<void(TakenPicture)>& take, const Job& job);

@@ -99,8 +99,8 @@ void Take::set_checkpoint(Checkpoint checkpoint) {
   checkpoint_ = std::move(checkpoint);
 }
 
-void Take::keep(const path::Picture& picture) const {
-  const std::string header = std::string(kMagic) + key() + "\n";
+void Take::keep(const path::Picture& picture, const std::string& key) const {
+  const std::string header = std::string(kMagic) + key + "\n";
   const std::vector<std::byte> state = picture.state();
   std::vector<std::byte> bytes(header.size());
   std::memcpy(bytes.data(), header.data(), header.size());
@@ -109,10 +109,10 @@ void Take::keep(const path::Picture& picture) const {
 }
 
 /// Whether there was something to go on from.
-bool Take::resume(path::Picture& picture) const {
+bool Take::resume(path::Picture& picture, const std::string& key) const {
   std::error_code code;
   if (!checkpoint_->resumes || !fs::exists(checkpoint_->file, code)) return false;
-  const std::string where = checkpoint_->file.string(), header = std::string(kMagic) + key() + "\n";
+  const std::string where = checkpoint_->file.string(), header = std::string(kMagic) + key + "\n";
   const std::vector<std::byte> bytes = read_file(checkpoint_->file, std::uint64_t{1} << 38);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (!text.starts_with(kMagic)) throw Error("is no picture to go on with, or one of another version", where);
@@ -130,7 +130,8 @@ Film Take::trace_kept(std::size_t index, Job job, path::Statistics& statistics) 
   constexpr double kMostOfTime = 0.1;  // that writing may take
   const path::Settings settings = settings_of_trace();
   path::Picture picture(*tracer_, view_at(tracer_->scene(), index), settings);
-  if (checkpoint_ && resume(picture)) warn("goes on from " + checkpoint_->file.string());
+  const std::string own_key = checkpoint_ ? key() : "";  // once: it reads every file
+  if (checkpoint_ && resume(picture, own_key)) warn("goes on from " + checkpoint_->file.string());
   Stopwatch since;
   double cost_s = 0.0;
   if (checkpoint_) {
@@ -138,14 +139,14 @@ Film Take::trace_kept(std::size_t index, Job job, path::Statistics& statistics) 
       if (tell) tell(p);
       if (since.seconds() < std::max(checkpoint_->interval_s, cost_s / kMostOfTime)) return;
       const Stopwatch writing;
-      keep(picture);
+      keep(picture, own_key);
       cost_s = writing.seconds();
       since = {};
     };
   }
   picture.trace(settings.samples, job);
   statistics = picture.statistics();
-  if (checkpoint_ && statistics.interrupted) keep(picture);
+  if (checkpoint_ && statistics.interrupted) keep(picture, own_key);
   if (shot_.part) {
     sums_.clear();
     picture.sums().write(sums_);
