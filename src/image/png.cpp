@@ -251,6 +251,8 @@ void codec::write_png_data(const std::filesystem::path& path, const DisplayImage
   write_file(path, encode(image, false, path.string()));
 }
 
+std::vector<std::byte> encode_png(const DisplayImage& image) { return encode(image, true, "a picture"); }
+
 std::vector<std::byte> encode_png(const TextureImage& image) {
   return encode({image.width, image.height, image.pixels}, false, "a texture");
 }

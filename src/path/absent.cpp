@@ -18,6 +18,7 @@ std::uint64_t picture_bytes(const Settings&) { refuse(); }
 struct Tracer::Parts {};
 Tracer::Tracer(std::shared_ptr<const Scene>, const Environment&, const shade::ShadingModel&) { refuse(); }
 Tracer::Tracer(Scene, const Environment&, const shade::ShadingModel&) { refuse(); }
+Tracer::Tracer(const Tracer&, std::shared_ptr<const Scene>, const Environment&) { refuse(); }
 Film Tracer::render(const View&, const Settings&, const Job&, Statistics*) const { refuse(); }
 const Scene& Tracer::scene() const { refuse(); }
 double Tracer::build_s() const { refuse(); }

@@ -127,13 +127,24 @@ const Scene& validated(const std::shared_ptr<const Scene>& scene) {
 struct Tracer::Parts {
   Parts(std::shared_ptr<const Scene> made_of, const Environment& environment, const shade::ShadingModel& shading)
       : scene(std::move(made_of)),
-        geometry(validated(scene), shading),
+        shape(scene),
+        shared_geometry(std::make_shared<Geometry>(validated(scene), shading)),
+        geometry(*shared_geometry),
         lights(*scene, environment, geometry),
+        build_s(watch.seconds()) {}
+  Parts(const Parts& before, std::shared_ptr<const Scene> made_of, const Environment& environment)
+      : scene(std::move(made_of)),
+        shape(before.shape),
+        shared_geometry(before.shared_geometry),
+        geometry(*shared_geometry),
+        lights(validated(scene), environment, geometry),
         build_s(watch.seconds()) {}
 
   Stopwatch watch;
   std::shared_ptr<const Scene> scene;
-  Geometry geometry;
+  std::shared_ptr<const Scene> shape;  ///< what the geometry reads
+  std::shared_ptr<Geometry> shared_geometry;
+  Geometry& geometry;
   Lights lights;
   double build_s;
 };
@@ -534,6 +545,9 @@ Tracer::Tracer(Scene scene, const Environment& environment, const shade::Shading
 
 const Scene& Tracer::scene() const { return *parts_->scene; }
 double Tracer::build_s() const { return parts_->build_s; }
+
+Tracer::Tracer(const Tracer& before, std::shared_ptr<const Scene> scene, const Environment& environment)
+    : parts_(std::make_shared<Parts>(*before.parts_, std::move(scene), environment)) {}
 
 Film Tracer::render(const View& view, const Settings& settings, const Job& job, Statistics* statistics) const {
   Picture picture(*this, view, settings);
