@@ -2,7 +2,7 @@
 
     python turntable.py [SCENE] [-o FOLDER] [-n PICTURES] [--engine raster|path]
 
-The scene is prepared once; a lamp that moves costs nothing, a node that turns what stands on it.
+The camera goes around and the lamp moves, so the scene is prepared once.
 """
 
 from __future__ import annotations
@@ -30,8 +30,7 @@ def main() -> None:
     radius = math.dist(lower, upper) / 2
     lamp = scene.add_light("spot", intensity=60 * radius**2, color=(1.0, 0.85, 0.6), outer_cone_deg=40)
 
-    camera = candela.fit("three-quarter")
-    first = candela.render(scene, camera=camera, size=(arguments.size, arguments.size), spp=4, engine=arguments.engine)
+    size = (arguments.size, arguments.size)
     arguments.output.mkdir(parents=True, exist_ok=True)
     for i in range(arguments.pictures):
         share = i / arguments.pictures
@@ -41,7 +40,7 @@ def main() -> None:
         lamp.look_at(center)
         # The camera goes around: nothing of the scene has to be prepared again.
         view = candela.orbit(35.0 + 360.0 * share, 20.0, 1.2)
-        picture = candela.render(scene, camera=view, size=first.size, spp=16, engine=arguments.engine, exposure=0.0)
+        picture = candela.render(scene, camera=view, size=size, spp=16, engine=arguments.engine, exposure=0.0)
         picture.to_png(arguments.output / f"{i:03}.png")
     print(f"{arguments.pictures} pictures in {arguments.output}")
 

@@ -132,11 +132,6 @@ def read_cameras(path: Path, size: tuple[int, int] = (1280, 720)) -> list[PosedC
     return _candela.read_cameras(os.fspath(path), size)
 
 
-# How the program spells what has a word of its own here.
-_SPELLED = {"layers": "aov", "seconds": "time", "environment": "env", "environment_rotation_deg": "env-rotation",
-            "environment_intensity": "env-intensity", "tone_curve": "tonemap"}  # fmt: skip
-
-
 def _text(value: object) -> str:
     if isinstance(value, str):
         return value
@@ -151,7 +146,7 @@ def _arguments(options: Mapping[str, object]) -> list[str]:
     """The options as `candela render` takes them."""
     arguments = []
     for name, value in options.items():
-        option = "--" + _SPELLED.get(name, name).replace("_", "-")
+        option = "--" + _candela.spellings.get(name, name).replace("_", "-")
         if value is True:
             arguments.append(option)
         elif value is not False and value is not None:

@@ -107,9 +107,9 @@ void run_in_background(const nb::object& progress, const std::function<void(cons
   bool is_done = false;
   while (!is_done) {
     is_done = wait_for(state, news);
-    if (raised || is_done) continue;
+    if (raised) continue;
     try {
-      if (PyErr_CheckSignals() != 0) nb::raise_python_error();
+      if (!is_done && PyErr_CheckSignals() != 0) nb::raise_python_error();
       if (news && progress(*news).is(nb::handle(Py_False))) state.stop = true;
     } catch (nb::python_error& error) {
       state.stop = true;

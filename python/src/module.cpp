@@ -2,8 +2,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "background.h"
@@ -21,20 +23,26 @@ namespace candela::python {
 namespace {
 
 /// "--f-number: …" names an option of the program, which in Python is the keyword f_number.
-std::string with_keywords(std::string text) {
-  std::size_t at = 0;
-  while ((at = text.find("--", at)) != std::string::npos) {
-    const bool is_begin = at == 0 || std::string_view(" ('").find(text[at - 1]) != std::string_view::npos;
-    if (!is_begin || at + 2 >= text.size() || text[at + 2] < 'a' || text[at + 2] > 'z') {
-      at += 2;
+std::string with_keywords(const std::string& text) {
+  constexpr std::string_view kBefore = " ('\"";
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz-";
+  std::string result;
+  for (std::size_t at = 0; at < text.size();) {
+    const bool is_begin = at == 0 || kBefore.find(text[at - 1]) != std::string_view::npos;
+    const std::size_t end = std::min(text.find_first_not_of(kLetters, at), text.size());
+    if (!is_begin || !text.substr(at).starts_with("--") || end < at + 3) {
+      result += text[at++];
       continue;
     }
-    text.erase(at, 2);
-    for (; at < text.size() && ((text[at] >= 'a' && text[at] <= 'z') || text[at] == '-'); ++at) {
-      if (text[at] == '-') text[at] = '_';
-    }
+    const std::string option = text.substr(at + 2, end - at - 2);
+    const auto* const row =
+        std::find_if(kSpellings.begin(), kSpellings.end(), [&](const Spelling& s) { return s.option == option; });
+    std::string keyword = row != kSpellings.end() ? std::string(row->keyword) : option;
+    std::replace(keyword.begin(), keyword.end(), '-', '_');
+    result += keyword;
+    at = end;
   }
-  return text;
+  return result;
 }
 
 /// Whatever went wrong is one exception of one line.
@@ -56,6 +64,7 @@ void translate(const std::exception_ptr& pointer, void* type) {
 }  // namespace
 
 NB_MODULE(_candela, module) {
+  nb::set_leak_warnings(false);  // what is alive when Python ends is no concern of its users
   module.doc() = "What the package candela is made of.";
   const nb::object error = nb::steal(PyErr_NewExceptionWithDoc(
       "candela.Error", "What candela cannot do, in one line that says what and where.", PyExc_Exception, nullptr));

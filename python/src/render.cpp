@@ -94,6 +94,7 @@ PictureOf render(const SharedScene& scene, const std::vector<std::string>& argum
     }
   }
   require_memory(picture_bytes(shot), available_memory(), "the picture", "size");
+  if (shot.has_many_pictures()) throw Error("one picture at a time", "camera");
   const ivec2 size = shot.size;
   const LiveScene::Moment moment = scene->live.begin(std::move(shot));
   auto picture = std::make_shared<LivePicture>();
@@ -114,6 +115,11 @@ void bind_render(nb::module_& module) {
       nb::arg("environment").none(), nb::arg("progress").none(),
       nb::sig("def render(scene: Scene, arguments: list[str], camera: PosedCamera | None, environment: Environment "
               "| None, progress: collections.abc.Callable[[Progress], object] | None) -> Picture"));
+  nb::dict spellings;
+  for (const Spelling& row : kSpellings) {
+    spellings[nb::str(row.keyword.data(), row.keyword.size())] = nb::str(row.option.data(), row.option.size());
+  }
+  module.attr("spellings") = spellings;
   module.def("layer_names", [] {
     std::vector<std::string> names;
     for (const LayerInfo& layer : kLayers) names.emplace_back(layer.name);

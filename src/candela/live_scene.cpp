@@ -52,7 +52,7 @@ std::shared_ptr<const Environment> LiveStage::environment(const std::string& nam
 }
 
 DrawingThread& LiveStage::drawing() {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(drawing_mutex_);
   if (drawing_ == nullptr) drawing_ = std::make_unique<DrawingThread>();
   return *drawing_;
 }

@@ -26,8 +26,9 @@ class LiveStage {
     std::shared_ptr<const Environment> environment;
     Diagnostics diagnostics;
   };
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< of the environments
   std::map<std::string, Loaded> environments_;
+  std::mutex drawing_mutex_;
   std::unique_ptr<DrawingThread> drawing_;
 };
 
