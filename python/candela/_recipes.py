@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import tempfile
 import typing
 from collections.abc import Callable, Mapping
 
@@ -187,6 +188,22 @@ def diff(
     if isinstance(first, (str, os.PathLike)) and isinstance(second, (str, os.PathLike)):
         made = _candela.diff_files(os.fspath(first), os.fspath(second), exposure, tone_curve, tolerance)
     else:
-        made = _candela.diff_pictures(first, second, exposure, tone_curve, tolerance)
+        made = _diff_in_memory({"first": first, "second": second}, exposure, tone_curve, tolerance)
     made["layers"] = [LayerDifference(**layer) for layer in made["layers"]]
     return Difference(**made)
+
+
+def _diff_in_memory(pictures: Mapping[str, object], exposure: str | float | None, tone_curve: str,
+                    tolerance: float) -> dict[str, typing.Any]:  # fmt: skip
+    """By way of OpenEXR files, which hold them as they are."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, picture in pictures.items():
+            if isinstance(picture, Picture):
+                picture.save(os.path.join(folder, name + ".exr"))
+            else:
+                _candela.save_array(os.path.join(folder, name + ".exr"), picture, name)
+        try:
+            first, second = (os.path.join(folder, name + ".exr") for name in pictures)
+            return _candela.diff_files(first, second, exposure, tone_curve, tolerance)
+        except _candela.Error as error:
+            raise _candela.Error(str(error).replace(folder + os.sep, "").replace(".exr", "")) from None

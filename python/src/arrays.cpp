@@ -14,7 +14,7 @@ namespace candela::python {
 
 namespace {
 
-std::string text_of(const Shape& shape) {
+std::string text_of_shape(const Shape& shape) {
   std::string text;
   for (const int extent : shape) text += (text.empty() ? "" : ", ") + (extent < 0 ? "n" : std::to_string(extent));
   return "(" + text + (shape.size() == 1 ? ",)" : ")");
@@ -24,7 +24,7 @@ template <class Array>
 std::string shape_text(const Array& array) {
   Shape shape;
   for (std::size_t i = 0; i < array.ndim(); ++i) shape.push_back(static_cast<int>(array.shape(i)));
-  return text_of(shape);
+  return text_of_shape(shape);
 }
 
 template <class Array>
@@ -33,7 +33,7 @@ void require_shape(const Array& array, const std::string& name, const Shape& sha
   for (std::size_t i = 0; fits && i < shape.size(); ++i) {
     fits = shape[i] < 0 || array.shape(i) == static_cast<std::size_t>(shape[i]);
   }
-  if (!fits) throw Error("has the shape " + shape_text(array) + ", not " + text_of(shape), name);
+  if (!fits) throw Error("has the shape " + shape_text(array) + ", not " + text_of_shape(shape), name);
 }
 
 /// numpy's own array of it, of the given kinds of numbers, as `type`.
@@ -45,11 +45,12 @@ nb::object numpy_array(nb::handle source, const std::string& name, const char* k
     array = numpy.attr("asarray")(source);
   } catch (const nb::python_error& error) {
     if (!error.matches(PyExc_Exception)) throw;
-    throw Error("is no array: " + std::string(nb::str(error.value()).c_str()), name);
+    throw Error("is no array: " + text_of(error.value()), name);
   }
-  const std::string kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
+  const nb::object type_of_numbers = array.attr("dtype");
+  const std::string kind = nb::cast<std::string>(type_of_numbers.attr("kind"));
   if (std::strchr(kinds, kind[0]) == nullptr) {
-    throw Error("has the dtype " + std::string(nb::str(array.attr("dtype")).c_str()) + ", not " + wanted, name);
+    throw Error("has the dtype " + text_of(type_of_numbers) + ", not " + wanted, name);
   }
   if (type[0] == 0) return numpy.attr("ascontiguousarray")(array);
   return numpy.attr("ascontiguousarray")(array, type);
@@ -98,6 +99,12 @@ nb::object owned(std::vector<T> values, const std::vector<std::size_t>& shape) {
 }
 
 }  // namespace
+
+std::string text_of(nb::handle object) {
+  const auto text = nb::steal<nb::object>(PyObject_Str(object.ptr()));
+  if (!text.is_valid()) nb::raise_python_error();
+  return nb::cast<std::string>(text);
+}
 
 Floats read_floats(nb::handle source, const std::string& name, const Shape& shape) {
   const Numbers<float> array = floats_of(source, name);
@@ -176,7 +183,8 @@ TextureImage read_texture(nb::handle source, const std::string& name) {
   const nb::object numpy = nb::module_::import_("numpy");
   nb::object given = numpy_array(source, name, "fu", "", "uint8, uint16 or floats from 0 to 1");
   TextureImage image;
-  const std::string type = nb::cast<std::string>(nb::str(given.attr("dtype")));
+  const nb::object type_of_numbers = given.attr("dtype");
+  const std::string type = text_of(type_of_numbers);
   std::vector<std::uint16_t> wide;
   std::vector<std::uint8_t> narrow;
   std::vector<std::size_t> shape;
@@ -205,7 +213,7 @@ TextureImage read_texture(nb::handle source, const std::string& name) {
   const std::size_t channels = shape.size() == 2 ? 1 : shape.size() == 3 ? shape[2] : 0;
   if ((channels != 1 && channels != 3 && channels != 4) || shape[0] == 0 || shape[1] == 0) {
     Shape given_shape(shape.begin(), shape.end());
-    throw Error("has the shape " + text_of(given_shape) + ", not (height, width), (…, 3) or (…, 4)", name);
+    throw Error("has the shape " + text_of_shape(given_shape) + ", not (height, width), (…, 3) or (…, 4)", name);
   }
   constexpr std::size_t kMostTexels = 16384;
   if (shape[0] > kMostTexels || shape[1] > kMostTexels) throw Error("has a side of more than 16384 texels", name);

@@ -19,6 +19,9 @@ namespace candela::python {
 
 namespace nb = nanobind;
 
+/// str() of it.
+std::string text_of(nb::handle object);
+
 /// An array's shape as it must be: -1 = any.
 using Shape = std::vector<int>;
 

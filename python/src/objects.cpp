@@ -1,6 +1,7 @@
 #include "objects.h"
 
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -125,6 +126,21 @@ NodeRef add_node(const SharedScene& scene, Node node, const std::optional<NodeRe
   return {scene, changed.nodes.size() - 1};
 }
 
+int add_plain_material(const SharedScene& scene) {
+  constexpr const char* kName = "plain";
+  const auto& materials = scene->live.scene().materials;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    if (materials[i].name == kName && materials[i].file_index < 0) return static_cast<int>(i);
+  }
+  Material material;
+  material.name = kName;
+  material.base_color = vec3(0.8f);
+  material.metallic = 0.0f;
+  Scene& changed = scene->live.change(Change::all);
+  changed.materials.push_back(std::move(material));
+  return static_cast<int>(changed.materials.size() - 1);
+}
+
 namespace {
 
 // ----- meshes
@@ -161,23 +177,8 @@ Primitive primitive_of(const MeshArrays& arrays) {
   return primitive;
 }
 
-/// A matt grey, for meshes without a material.
-int plain_material(const SharedScene& scene) {
-  const auto& materials = scene->live.scene().materials;
-  for (std::size_t i = 0; i < materials.size(); ++i) {
-    if (materials[i].name == "plain" && materials[i].file_index < 0) return static_cast<int>(i);
-  }
-  Material material;
-  material.name = "plain";
-  material.base_color = vec3(0.8f);
-  material.metallic = 0.0f;
-  Scene& changed = scene->live.change(Change::all);
-  changed.materials.push_back(std::move(material));
-  return static_cast<int>(changed.materials.size() - 1);
-}
-
 int material_index(const SharedScene& scene, const std::optional<MaterialRef>& material) {
-  if (!material) return plain_material(scene);
+  if (!material) return add_plain_material(scene);
   if (material->scene != scene) throw Error("is of another scene", "material");
   return static_cast<int>(material->index);
 }

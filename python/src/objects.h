@@ -133,6 +133,9 @@ NodeRef add_light(const SharedScene& scene, const std::string& kind, nb::handle 
 TextureRef add_texture(const SharedScene& scene, nb::handle source, const std::string& wrap, const std::string& filter,
                        const std::string& name);
 
+/// The number of a matt grey, for meshes without a material; a scene has to have one.
+int add_plain_material(const SharedScene& scene);
+
 /// Radians, of degrees that make sense for a camera.
 float read_fov(float fov_deg);
 

@@ -1,6 +1,7 @@
 #include "picture.h"
 
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -96,9 +97,8 @@ nb::object layer_of(const PictureOf& picture, const std::string& name) {
 DevelopSettings develop_settings(const PictureOf& picture, const nb::object& exposure, const nb::object& tone_curve,
                                  const nb::object& bloom, const nb::object& background) {
   DevelopSettings settings = picture.live->taken.develop;
-  const auto text = [](const nb::object& value) { return std::string(nb::str(value).c_str()); };
-  if (!exposure.is_none()) settings.exposure = parse_exposure(text(exposure));
-  if (!tone_curve.is_none()) settings.tone_curve = parse_tone_curve(text(tone_curve));
+  if (!exposure.is_none()) settings.exposure = parse_exposure(text_of(exposure));
+  if (!tone_curve.is_none()) settings.tone_curve = parse_tone_curve(text_of(tone_curve));
   if (!bloom.is_none()) {
     settings.bloom = nb::cast<float>(bloom);
     if (!(settings.bloom >= 0.0f && settings.bloom <= 1.0f)) throw Error("lies outside 0 to 1", "bloom");

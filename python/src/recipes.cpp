@@ -174,9 +174,26 @@ nb::dict dict_of(PictureDifference difference) {
   return result;
 }
 
+/// An OpenEXR file of linear radiance, (h, w, 3) or (h, w, 4).
+void save_array(const std::string& path, nb::handle source, const std::string& name) {
+  Floats floats = read_floats(source, name, {-1, -1, -1});
+  const std::size_t channels = floats.shape[2];
+  if (channels != 3 && channels != 4) {
+    throw Error("has " + std::to_string(channels) + " channels, not 3 or 4", name);
+  }
+  Film film;
+  film.beauty = Image(static_cast<int>(floats.shape[1]), static_cast<int>(floats.shape[0]), 4);
+  for (std::size_t i = 0; i < floats.shape[0] * floats.shape[1]; ++i) {
+    for (std::size_t c = 0; c < 4; ++c) {
+      film.beauty.pixels[4 * i + c] = c < channels ? floats.values[channels * i + c] : 1.0f;
+    }
+  }
+  write_exr(path, film);
+}
+
 DifferenceSettings difference_settings(const nb::object& exposure, const std::string& tone_curve, double tolerance) {
   DifferenceSettings settings;
-  if (!exposure.is_none()) settings.exposure = parse_exposure(nb::str(exposure).c_str());
+  if (!exposure.is_none()) settings.exposure = parse_exposure(text_of(exposure));
   settings.tone_curve = parse_tone_curve(tone_curve);
   settings.tolerance = tolerance;
   return settings;
@@ -206,6 +223,8 @@ void bind_recipes(nb::module_& module) {
   module.def("furnace_sheet", &furnace_sheet, nb::arg("progress").none(),
              nb::sig("def furnace_sheet(progress: collections.abc.Callable[[Progress], object] | None) -> "
                      "numpy.typing.NDArray[numpy.float32]"));
+  module.def("save_array", &save_array, nb::arg("path"), nb::arg("source"), nb::arg("name"),
+             nb::sig("def save_array(path: str, source: object, name: str) -> None"));
   module.def(
       "diff_files",
       [](const std::string& first, const std::string& second, const nb::object& exposure, const std::string& tone_curve,

@@ -129,9 +129,11 @@ void bind_scene_class(nb::module_& module) {
   type.def(nb::new_([](const std::string& name) {
              Scene scene;
              scene.name = name;
-             return std::make_shared<SceneOf>(std::move(scene), the_stage());
+             auto made = std::make_shared<SceneOf>(std::move(scene), the_stage());
+             add_plain_material(made);
+             return made;
            }),
-           nb::arg("name") = "", "A scene without anything in it.")
+           nb::arg("name") = "", "A scene without anything in it but a material, a matt grey.")
       .def(
           "copy",
           [](const SharedScene& s) {

@@ -89,7 +89,7 @@ class Pictures(Case):
             self.assertEqual(ran.returncode, 0, ran.stderr)
             candela.render(candela.load("demo:spheres"), size=(32, 24), spp=4, layers=["depth"]).save(path + ".exr")
             for layer in candela.diff(path, path + ".exr").layers:
-                self.assertEqual((layer.max, layer.changed), (0.0, 0), layer.name)
+                self.assertEqual((layer.max, layer.changed), (0.0, 0), layer.layer)
 
     def test_files_are_what_their_names_say(self):
         picture = draw(small_scene(), layers=["depth"])
@@ -232,7 +232,7 @@ class Refusals(Case):
         scene = small_scene()
         self.refuses(["spp", "0"], draw, scene, spp=0)
         self.refuses("layers", draw, scene, layers=["depht"])
-        self.refuses(["unknown", "did you mean"], draw, scene, bouncs=3)
+        self.refuses(["bouncs", "did you mean bounces"], draw, scene, bouncs=3)
         self.refuses(["msaa", "raster"], draw, scene, msaa=4)
         self.refuses("engine", draw, scene, engine="fast")
         self.refuses("turntable", draw, scene, turntable=4)
@@ -249,7 +249,7 @@ class Refusals(Case):
         self.refuses("no/such.glb", candela.load, "no/such.glb")
         self.refuses("glTF in memory", candela.load, b"glTF but not really")
         self.refuses(["source", "neither a path nor bytes"], candela.load, 3)
-        self.refuses("demo:nothing", candela.load, "demo:nothing")
+        self.refuses("nothing", candela.load, "demo:nothing")
         self.refuses("variant", candela.load, "demo:spheres", variant="blue")
 
     def test_file_that_vanishes_is_an_error_and_its_scene_stays(self):
