@@ -15,8 +15,6 @@
 
 namespace candela::cli {
 
-namespace {
-
 std::string names_of_views() {
   std::string names;
   for (const NamedView& view : kNamedViews) names += (names.empty() ? "" : ", ") + std::string(view.name);
@@ -35,8 +33,7 @@ std::vector<std::string> parse_views(const std::string& text) {
   return names;
 }
 
-/// "sphere:24" or "sphere:24,7"; empty for anything else, which is a file.
-std::optional<CameraSphere> parse_sphere(const std::string& text) {
+std::optional<CameraSphere> parse_camera_sphere(const std::string& text) {
   constexpr int kMostCameras = 100000;
   for (const std::string_view kind : {"sphere:", "hemisphere:"}) {
     if (!text.starts_with(kind)) continue;
@@ -59,6 +56,8 @@ float parse_margin(const std::string& text) {
   return parse_number(text, 0.0f, kMost);
 }
 
+namespace {
+
 bool parse_projection(const std::string& text) {
   if (text != "perspective" && text != "orthographic") {
     throw UsageError(fmt::format("'{}' is none of perspective, orthographic", text));
@@ -80,7 +79,7 @@ void add_viewpoints(Command& command, RenderOptions& o, const std::string& group
       add_value(command, "--target", "X,Y,Z", o.shot.target, parse_vec3, "What --eye looks at [the subject's centre]");
   const auto cameras = [&o](const std::string& value) {
     if (value.empty()) throw UsageError("the name is empty");
-    o.shot.camera_sphere = parse_sphere(value);
+    o.shot.camera_sphere = parse_camera_sphere(value);
     return o.shot.camera_sphere ? std::nullopt : std::optional<std::filesystem::path>(value);
   };
   Option list = add_value(command, "--cameras", "FILE|sphere:N[,SEED]", o.camera_file, cameras,
@@ -146,18 +145,22 @@ void finish_camera_options(const Command& command, RenderOptions& o) {
       (is_given("--margin") || is_given("--projection")) && std::none_of(kChoices.begin(), kChoices.end(), is_given);
   if (!o.camera_file) return;
   refuse({"--margin", "--projection", "--fov"}, "not for the cameras of a file");
-  o.shot.cameras = io::read_cameras(*o.camera_file, o.shot.size);
-  const ivec2 size = o.shot.cameras[0].size.value_or(o.shot.size);
-  if (!command.has("--size")) o.shot.size = size;
-  for (const PosedCamera& camera : o.shot.cameras) {
+  read_cameras_of_shot(*o.camera_file, command.has("--size"), o.shot);
+}
+
+void read_cameras_of_shot(const std::filesystem::path& file, bool keeps_size, Shot& shot) {
+  shot.cameras = io::read_cameras(file, shot.size);
+  const ivec2 size = shot.cameras[0].size.value_or(shot.size);
+  if (!keeps_size) shot.size = size;
+  for (const PosedCamera& camera : shot.cameras) {
     if (!camera.size) continue;
     const ivec2 own = *camera.size;
     // Of another size in the same shape the camera is the same.
     const auto across = [](ivec2 a, ivec2 b) { return static_cast<std::int64_t>(a.x) * b.y; };
-    if (across(own, o.shot.size) == across(o.shot.size, own)) continue;
+    if (across(own, shot.size) == across(shot.size, own)) continue;
     throw Error(fmt::format("camera {} is for {}x{}, which is not the shape of {}x{}", camera.name, own.x, own.y,
-                            o.shot.size.x, o.shot.size.y),
-                o.camera_file->string());
+                            shot.size.x, shot.size.y),
+                file.string());
   }
 }
 

@@ -15,6 +15,7 @@
 #include "cli/option.h"
 #include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/render_outputs.h"
 #include "cli/scene_list.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
@@ -166,6 +167,11 @@ void run_check(const CheckOptions& options) {
   const ThreadLimit limit(options.threads.empty() ? 0 : parse_count(options.threads, 0, kMostThreads));
   std::vector<std::string> scenes;
   for (ListedScene& scene : list_scenes(options.names)) scenes.push_back(std::move(scene.name));
+  if (!options.filter.new_baseline.empty()) {
+    Inputs inputs;
+    add_scene_files(scenes, options.root, inputs);
+    inputs.refuse(options.filter.new_baseline);
+  }
   const LoadOptions load_options{
       .refuse_unknown_required = false, .root = options.root, .scene = options.scene, .measures = options.measures};
   std::vector<Verdict> verdicts;

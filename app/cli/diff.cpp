@@ -2,214 +2,233 @@
 
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/parallel.h"
 #include "candela/difference.h"
-#include "cli/html.h"
+#include "cli/diff_report.h"
+#include "cli/diff_scenes.h"
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
-#include "cli/json_text.h"
 #include "cli/option.h"
 #include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/render_outputs.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
-#include "figures/markup.h"
 
 namespace candela::cli {
 
 namespace {
 
 namespace fs = std::filesystem;
-using figures::escaped;
-using Json = nlohmann::ordered_json;
 
 struct DiffOptions {
   std::string first, second;
   std::string output;
   DifferenceSettings settings;
+  SceneRecipe recipe;
   std::optional<float> max_flip;
   bool json = false;
   bool quiet = false;
 };
 
-/// A pair of pictures and what came of it; no difference where one of them is absent.
-struct Compared {
-  std::string name;
-  bool has_first = true, has_second = true;
-  std::optional<PictureDifference> difference;
-
-  bool is_beyond(const std::optional<float>& max_flip) const {
-    return max_flip && (!difference || difference->flip > static_cast<double>(*max_flip));
-  }
+/// What is compared with what.
+struct Pairs {
+  std::vector<FilePair> files;
+  bool are_scenes = false;
+  bool is_one = false;  ///< no folders
 };
 
-std::string absent_text(const Compared& c) { return c.has_first ? "only in the first" : "only in the second"; }
-
-std::string layer_text(const LayerDifference& layer, double pixels) {
-  std::string text =
-      layer.changed == 0
-          ? "the same"
-          : fmt::format("{:.3g} % of the pixels changed, by {:.3g} in the mean of all and {:.3g} at most",
-                        100.0 * static_cast<double>(layer.changed) / pixels, layer.mean, layer.max);
-  if (layer.broken > 0) text += fmt::format("; not finite in {} pixels", layer.broken);
-  return text;
-}
-
-std::string difference_text(const Compared& c) {
-  if (!c.difference) return fmt::format("{}: {}\n", one_line(c.name), absent_text(c));
-  const PictureDifference& d = *c.difference;
-  const double pixels = static_cast<double>(d.size.x) * static_cast<double>(d.size.y);
-  std::string text = fmt::format("{}: FLIP {:.4f} in the mean, {:.4f} at most; {}\n", one_line(c.name), d.flip,
-                                 d.flip_max, layer_text(d.layers.front(), pixels));
-  for (std::size_t i = 1; i < d.layers.size(); ++i) {
-    text += fmt::format("  {}: {}\n", one_line(d.layers[i].layer), layer_text(d.layers[i], pixels));
+const char* text_of(Comparable kind) {
+  switch (kind) {
+    case Comparable::picture:
+      return "a picture";
+    case Comparable::folder:
+      return "a folder";
+    case Comparable::scene:
+      return "a model";
   }
-  for (const std::string& layer : d.unmatched) text += fmt::format("  {}: in one alone\n", one_line(layer));
-  return text;
+  return "";
 }
 
-Json difference_json(const Compared& c, const std::optional<float>& max_flip) {
-  Json json = {{"name", c.name}, {"in_first", c.has_first}, {"in_second", c.has_second}};
-  if (c.difference) {
-    const PictureDifference& d = *c.difference;
-    Json layers = Json::array();
-    for (const LayerDifference& layer : d.layers) {
-      layers.push_back({{"layer", layer.layer.empty() ? Json(nullptr) : Json(layer.layer)},
-                        {"mean", layer.mean},
-                        {"max", layer.max},
-                        {"changed_pixels", layer.changed},
-                        {"not_finite_pixels", layer.broken}});
-    }
-    json.update({{"width", d.size.x},
-                 {"height", d.size.y},
-                 {"values", d.is_display ? "display" : "linear"},
-                 {"flip", d.flip},
-                 {"flip_max", d.flip_max},
-                 {"layers", layers},
-                 {"layers_in_one_alone", d.unmatched}});
+Pairs pairs_of(const DiffOptions& o) {
+  const Comparable first = comparable_of(o.first), second = comparable_of(o.second);
+  if (first != second) {
+    throw Error(fmt::format("is {}, but the first is {}", text_of(second), text_of(first)), o.second);
   }
-  if (max_flip) json["beyond"] = c.is_beyond(max_flip);
-  return json;
+  if (first != Comparable::folder) return {{{o.second, o.first, o.second}}, first == Comparable::scene, true};
+  std::vector<FilePair> scenes = scene_pairs(o.first, o.second);
+  if (!scenes.empty()) return {std::move(scenes), true, false};
+  return {picture_pairs(o.first, o.second), false, false};
 }
 
-/// How bad: a picture that is missing is worse than any that is there.
-double badness(const Compared& c) { return c.difference ? c.difference->flip : 2.0; }
-
-/// First, second and error beside each other, the worst pair at the top.
-std::string page_html(std::vector<Compared> all, const DiffOptions& o) {
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Compared& a, const Compared& b) { return badness(a) > badness(b); });
-  std::string html = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Difference</title>\n<style>\n"
-      "body {{ font: 15px/1.5 system-ui, sans-serif; margin: 1em; }}\nimg {{ width: 100%; }}\n"
-      ".row {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(15em, 1fr)); gap: 0.5em; }}\n"
-      "figure {{ margin: 0; }}\n.beyond h2 {{ color: #b00020; }}\n"
-      "</style></head><body>\n<h1>{} and {}</h1>\n",
-      escaped(o.first), escaped(o.second));
-  for (const Compared& c : all) {
-    html += fmt::format("<section{}><h2>{}</h2>\n<pre>{}</pre>\n", c.is_beyond(o.max_flip) ? " class=\"beyond\"" : "",
-                        escaped(c.name), escaped(difference_text(c)));
-    if (c.difference) {
-      const auto figure = [](const DisplayImage& image, const char* what) {
-        return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", image_element(image, what), what);
-      };
-      html += "<div class=\"row\">" + figure(c.difference->first, "first") + figure(c.difference->second, "second") +
-              figure(error_map(c.difference->error), "error (FLIP: black 0, pale yellow 1)") + "</div>";
-    }
-    html += "</section>\n";
-  }
-  return html + "</body></html>\n";
+/// The names of the maps of two scenes; of one name the same for all.
+RenderOptions maps_of_scenes(const DiffOptions& o) {
+  RenderOptions maps;
+  maps.shot = o.recipe.shot;
+  maps.outputs = {o.output};
+  return maps;
 }
 
-std::vector<PicturePair> pairs_of(const DiffOptions& o) {
-  std::error_code ignored;
-  const bool is_folder = fs::is_directory(o.first, ignored);
-  if (is_folder != fs::is_directory(o.second, ignored)) {
-    throw Error(is_folder ? "is no folder, but the first is" : "is a folder, but the first is none", o.second);
-  }
-  if (is_folder) return picture_pairs(o.first, o.second);
-  return {{o.second, o.first, o.second}};
-}
+bool is_map(const DiffOptions& o) { return has_extension(o.output, ".png"); }
 
-/// Refuses what cannot be written, and what would overwrite a picture that is read.
-void check_output(const DiffOptions& o) {
+/// Refuses what cannot be written, and what would overwrite something that is read.
+void check_output(const DiffOptions& o, const Pairs& pairs) {
   if (o.output.empty()) return;
-  const bool is_map = has_extension(o.output, ".png");
-  if (!is_map && !has_extension(o.output, ".html")) {
-    throw UsageError("--output: a map is a .png, a page an .html: " + o.output);
-  }
+  if (!pairs.is_one && is_map(o)) throw Error("a pair has a map; folders have a page, an .html", o.output);
+  if (pairs.are_scenes && is_map(o)) check_patterns(maps_of_scenes(o));
   Inputs inputs;
   for (const std::string& name : {o.first, o.second}) {
-    std::error_code ignored;
-    if (!fs::is_directory(name, ignored)) {
-      inputs.add(parse_image_name(name).path, "a picture to compare");
-    } else if (is_map) {
-      throw Error("a pair of pictures has a map; folders have a page, an .html", o.output);
-    } else {
+    if (!pairs.is_one) {
       inputs.add_folder(name, "a folder to compare");
+    } else if (pairs.are_scenes) {
+      inputs.add(name, "a scene to compare");
+      add_scene_files({name}, o.recipe.shot.load.root, inputs);
+    } else {
+      inputs.add(parse_image_name(name).path, "a picture to compare");
     }
   }
+  if (o.recipe.camera_file) inputs.add(*o.recipe.camera_file, "the cameras");
+  inputs.add_environment(o.recipe.shot.environment.value_or(""));
   inputs.refuse(o.output);
   check_writable(o.output);
 }
 
-void write_output(const DiffOptions& o, const std::vector<Compared>& all) {
-  const FolderFor folder(o.output);
-  if (has_extension(o.output, ".html")) return write_file(o.output, page_html(all, o));
-  write_png(o.output, error_map(all.front().difference->error));
+void write_map(const fs::path& path, const PictureDifference& difference) {
+  const FolderFor folder(path);
+  write_png(path, error_map(difference.error));
+}
+
+void write_output(const DiffOptions& o, const Pairs& pairs, const std::vector<Compared>& all) {
+  if (!is_map(o)) {
+    const FolderFor folder(o.output);
+    return write_file(o.output, report_html(o.first, o.second, all, o.max_flip));
+  }
+  if (!pairs.are_scenes) return write_map(o.output, *all.front().difference);
+  std::vector<PictureLabel> labels;
+  for (const Compared& c : all) labels.push_back(c.label);
+  const PictureNames names = name_pictures(maps_of_scenes(o), labels);
+  for (std::size_t i = 0; i < all.size(); ++i) write_map(names[i][0], *all[i].difference);
 }
 
 void require_small(const DiffOptions& o, const std::vector<Compared>& all) {
   std::size_t beyond = 0;
   const Compared* worst = nullptr;
   for (const Compared& c : all) {
-    if (!c.is_beyond(o.max_flip)) continue;
+    if (!c.is_beyond(o.max_flip) && c.fault.empty()) continue;
     ++beyond;
-    if (worst == nullptr || badness(c) > badness(*worst)) worst = &c;
+    if (worst == nullptr || c.badness() > worst->badness()) worst = &c;
   }
   if (worst == nullptr) return;
-  std::string what = absent_text(*worst);
-  if (worst->difference) what = fmt::format("FLIP {:.4f} is above {} (--max-flip)", badness(*worst), *o.max_flip);
-  throw Error(what + (beyond > 1 ? fmt::format(", and {} more", beyond - 1) : ""), worst->name);
+  std::string what = absence_text(*worst);
+  if (worst->difference) what = fmt::format("FLIP {:.4f} is above {} (--max-flip)", worst->badness(), *o.max_flip);
+  throw Error(what + (beyond > 1 ? fmt::format(", and {} more", beyond - 1) : ""), worst->title());
 }
 
-std::string report_json(const std::vector<Compared>& all, const std::optional<float>& max_flip) {
-  Json pairs = Json::array();
-  for (const Compared& c : all) pairs.push_back(difference_json(c, max_flip));
-  return json_text({{"pairs", pairs}});
-}
-
-Compared compare(const PicturePair& pair, const DiffOptions& o) {
-  Compared compared{pair.name, !pair.first.empty(), !pair.second.empty(), std::nullopt};
-  if (!compared.has_first || !compared.has_second) return compared;
-  compared.difference =
-      compare_pictures(parse_image_name(pair.first.string()), parse_image_name(pair.second.string()), o.settings);
-  if (o.output.empty()) {  // many pictures need not be kept
-    compared.difference->error = {};
-    compared.difference->first = compared.difference->second = {};
+/// The work at hand, and what has come of it.
+class Comparison {
+ public:
+  Comparison(const DiffOptions& o, const Pairs& pairs) : o_(o), pairs_(pairs), progress_(o.quiet) {
+    job_ = progress_.job();
+    job_.diagnostics = &diagnostics_;
   }
-  return compared;
-}
 
-void run_diff(const DiffOptions& o) {
-  check_output(o);
-  const std::vector<PicturePair> pairs = pairs_of(o);
-  std::vector<Compared> all;
-  all.reserve(pairs.size());
-  ProgressLine progress(o.quiet);
+  std::vector<Compared> run() {
+    const JobParts parts(job_, pairs_.files.size());
+    for (std::size_t i = 0; i < pairs_.files.size(); ++i) {
+      if (Interrupt::requested()) {
+        throw Interrupted(fmt::format("{} of {} pairs are compared", i, pairs_.files.size()));
+      }
+      compare(pairs_.files[i], i, parts);
+    }
+    return std::move(all_);
+  }
+
+ private:
+  void compare(const FilePair& pair, std::size_t index, const JobParts& parts) {
+    const Compared none{.name = pair.name,
+                        .label = {},
+                        .has_first = !pair.first.empty(),
+                        .has_second = !pair.second.empty(),
+                        .fault = {},
+                        .difference = {}};
+    if (!none.has_first || !none.has_second) return add(none);
+    const std::string what = fmt::format("{} of {}: {}", index + 1, pairs_.files.size(), pair.name);
+    progress_.phase(what);
+    try {
+      pairs_.are_scenes ? compare_scenes(pair, parts.part(index, pairs_.is_one ? "" : what + ", "))
+                        : compare_pictures_of(pair);
+    } catch (const Error& error) {
+      if (pairs_.is_one) throw;
+      Compared failed = none;
+      failed.fault = error.what();
+      add(std::move(failed));
+    }
+    report_warnings();
+  }
+
+  void compare_pictures_of(const FilePair& pair) {
+    Compared compared{.name = pair.name, .label = {}, .fault = {}, .difference = {}};
+    compared.difference =
+        compare_pictures(parse_image_name(pair.first.string()), parse_image_name(pair.second.string()), o_.settings);
+    add(std::move(compared));
+  }
+
+  void compare_scenes(const FilePair& pair, const Job& job) {
+    const auto [first, second] = shots_of(o_.recipe, pair.first.string(), pair.second.string());
+    compare_shots(
+        first, second, o_.settings,
+        [&](ShotDifference d) {
+          add({.name = pair.name, .label = d.label, .fault = {}, .difference = std::move(d.difference)});
+        },
+        job);
+  }
+
+  void add(Compared compared) {
+    if (o_.output.empty() && compared.difference) {  // many pictures need not be kept
+      compared.difference->error = {};
+      compared.difference->first = compared.difference->second = {};
+    }
+    progress_.clear();  // both may be the same terminal
+    if (!o_.json) print(difference_text(compared));
+    all_.push_back(std::move(compared));
+  }
+
+  void report_warnings() {
+    for (; reported_ < diagnostics_.warnings().size(); ++reported_) progress_.warn(diagnostics_.warnings()[reported_]);
+  }
+
+  const DiffOptions& o_;
+  const Pairs& pairs_;
+  ProgressLine progress_;
+  Diagnostics diagnostics_;
+  std::size_t reported_ = 0;  ///< of these
+  Job job_;
+  std::vector<Compared> all_;
+};
+
+void run_diff(const Command& command, DiffOptions& o) {
+  if (!o.output.empty() && !is_map(o) && !has_extension(o.output, ".html")) {
+    throw UsageError("--output: a map is a .png, a page an .html: " + o.output);
+  }
+  const Pairs pairs = pairs_of(o);
+  if (pairs.are_scenes) {
+    o.recipe.shot.tone_curve = o.settings.tone_curve;
+    if (command.has("--exposure")) o.recipe.shot.exposure = o.settings.exposure;
+    finish_scene_recipe(command, o.recipe);
+    check_memory(o.recipe);
+  } else {
+    refuse_scene_recipe(command);
+  }
+  check_output(o, pairs);
+  const ThreadLimit threads(o.recipe.threads);
   const Interrupt interrupt;
-  for (const PicturePair& pair : pairs) {
-    if (Interrupt::requested()) throw Interrupted(fmt::format("{} of {} pairs are compared", all.size(), pairs.size()));
-    progress.phase(fmt::format("{} of {}: {}", all.size() + 1, pairs.size(), pair.name));
-    all.push_back(compare(pair, o));
-    progress.clear();  // both may be the same terminal
-    if (!o.json) print(difference_text(all.back()));
-  }
+  const std::vector<Compared> all = Comparison(o, pairs).run();
   if (o.json) print(report_json(all, o.max_flip));
-  if (!o.output.empty()) write_output(o, all);
+  if (!o.output.empty()) write_output(o, pairs, all);
   require_small(o, all);
 }
 
@@ -219,25 +238,34 @@ Verb add_diff(Command& command) {
   const auto options = std::make_shared<DiffOptions>();
   DiffOptions& o = *options;
   command
-      .text("FIRST", o.first, "The reference: a picture (.png .jpg .webp .avif .hdr .exr, FILE.exr:LAYER) or a folder")
+      .text("FIRST", o.first,
+            "The reference: a picture (.png .jpg .webp .avif .hdr .exr, FILE.exr:LAYER), a scene (" + kSceneFiles +
+                ", demo:NAME) or a folder of either")
       .required();
-  command.text("SECOND", o.second, "What is judged; of two folders, the pictures of equal names").required();
-  command.text("-o,--output", o.output, "Also write the error of each pixel as a .png, or a page of all pairs as .html")
+  command.text("SECOND", o.second, "What is judged; of two folders, the files of equal names").required();
+  command
+      .text("-o,--output", o.output,
+            "Also write the error of each pixel as a .png (of several views NAME-{view}.png), or a page of all pairs "
+            "as .html")
       .type("FILE");
   add_value(command, "--max-flip", "X", o.max_flip, number_within(0.0f, 1.0f),
-            "Exit code 1 where the mean FLIP is above that, or one folder lacks a picture of the other");
+            "Exit code 1 where the mean FLIP is above that, or one folder lacks a file of the other");
   add_value(command, "--tolerance", "X", o.settings.tolerance, number_within(0.0f, kInfinity),
             "A pixel has changed where a channel differs by more: of 0 to 1 in a display picture, else linear [0]");
   add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", o.settings.exposure, parse_exposure,
-            "How .hdr and .exr are seen [auto: metered from FIRST, for both]");
+            "How .hdr, .exr and scenes are seen [auto: metered from FIRST, for both; of scenes as in render]");
   add_value(command, "--tonemap", "CURVE", o.settings.tone_curve, parse_tone_curve, "Likewise [pbr-neutral]");
   command.flag("--json", o.json, "For a machine: one JSON object");
   command.flag("-q,--quiet", o.quiet, "No progress on standard error");
+  add_scene_recipe(command, o.recipe);
   command.footer(
       "Examples:\n  candela diff before.png after.png\n  candela diff golden/ out/ --max-flip 0.01 -o page.html\n"
-      "  candela diff truth.exr:albedo frame.exr:albedo -o error.png\n\n"
-      "FLIP is how different two pictures look when one flips between them, 0 to 1 (Andersson et al. 2020).");
-  return [options] { run_diff(*options); };
+      "  candela diff truth.exr:albedo frame.exr:albedo -o error.png\n"
+      "  candela diff helmet.glb helmet-packed.glb -o page.html\n"
+      "  candela diff models/ packed/ --engine raster --max-flip 0.02\n\n"
+      "FLIP is how different two pictures look when one flips between them, 0 to 1 (Andersson et al. 2020).\n"
+      "Of two scenes, pictures from the same places are compared, which show both whole, with the same noise.");
+  return [options, &command] { run_diff(command, *options); };
 }
 
 }  // namespace candela::cli

@@ -12,7 +12,10 @@ namespace candela::cli {
 namespace fs = std::filesystem;
 
 void Inputs::add(const fs::path& path, const std::string& what) {
-  if (!is_device(path)) what_.try_emplace(file_identity(path), what);
+  if (is_device(path)) return;
+  what_.try_emplace(file_identity(path), what);
+  std::error_code code;
+  paths_.try_emplace(fs::weakly_canonical(path, code), what);
 }
 
 void Inputs::add(const std::vector<io::ReferencedFile>& files) {
@@ -43,6 +46,16 @@ std::string Inputs::reader_of(const fs::path& path) const {
 void Inputs::refuse(const fs::path& path) const {
   if (const std::string what = reader_of(path); !what.empty()) {
     throw Error("is an input and would be overwritten: " + what, path.string());
+  }
+}
+
+void Inputs::refuse_folder(const fs::path& folder) const {
+  std::error_code code;
+  const fs::path place = fs::weakly_canonical(folder, code);
+  for (const auto& [path, what] : paths_) {
+    const fs::path inside = path.lexically_relative(place);
+    if (inside.empty() || inside.begin()->string() == "..") continue;
+    throw Error("lies in the folder of the data set and could be overwritten: " + what, path.string());
   }
 }
 

@@ -24,9 +24,12 @@ class Inputs {
   bool contains(const std::filesystem::path& path) const { return !reader_of(path).empty(); }
   /// Throws Error where `path` is one of them.
   void refuse(const std::filesystem::path& path) const;
+  /// Throws Error where one of them lies in `folder`, which is to be filled with files of many names.
+  void refuse_folder(const std::filesystem::path& folder) const;
 
  private:
-  std::map<std::string, std::string> what_;  ///< by file_identity()
+  std::map<std::filesystem::path, std::string> paths_;  ///< what each is, links resolved
+  std::map<std::string, std::string> what_;             ///< by file_identity()
 };
 
 }  // namespace candela::cli

@@ -162,9 +162,15 @@ double finish_films(Films& films, const Stopwatch& total, ProgressLine& progress
   return watch.seconds();
 }
 
+/// Where the pictures of a scene stand in a data set.
+struct DatasetPlace {
+  Dataset* dataset = nullptr;  ///< null: there is none
+  std::size_t scene = 0;
+};
+
 /// `prefix` tells which of several scenes it is.
 TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::shared_ptr<Stage>& stage, int threads,
-                        ProgressLine& progress, const std::string& prefix = {}, Job job = {}) {
+                        ProgressLine& progress, DatasetPlace place = {}, const std::string& prefix = {}, Job job = {}) {
   const Stopwatch total;
   RenderOptions o = given;
   // What is wrong with a name that was given is told before anything is loaded.
@@ -178,6 +184,7 @@ TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::sh
   const PictureNames names = name_pictures(o, take.labels());
   check_overwriting(o, names, inputs);
   take.prepare();
+  if (place.dataset != nullptr) place.dataset->check(take.views());
   warn_of_formats(o, diagnostics);
   Times times{.load_s = total.seconds()};
   report_warnings(o, diagnostics, 0, progress);
@@ -199,6 +206,7 @@ TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::sh
         const std::vector<fs::path> stills = stills_of(o, outputs);
         write_outputs(stills, picture.film, picture.develop);
         add_to_films(o, take, picture, outputs, films);
+        if (place.dataset != nullptr) place.dataset->add(picture, outputs[0], place.scene, o.stems[place.scene]);
         times.write_s += writing.seconds();
         times.total_s = total.seconds();
         for (const fs::path& output : stills) {
@@ -232,7 +240,7 @@ void report_interruption(std::size_t done, std::size_t asked, bool is_last_unfin
 
 /// A picture of each scene, whatever becomes of the others; throws at the end when one has none.
 void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<Stage>& stage, int threads,
-                  ProgressLine& progress) {
+                  ProgressLine& progress, Dataset* dataset) {
   const fs::path folder = o.outputs[0];
   std::error_code code;
   fs::create_directories(folder, code);
@@ -247,10 +255,14 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
   for (std::size_t i = 0; i < o.scenes.size() && !Interrupt::requested(); ++i) {
     RenderOptions one = o;
     one.shot.scene = o.scenes[i];
-    one.outputs = {batch_pattern(o, outputs[i])};
+    one.outputs = {
+        dataset != nullptr
+            ? dataset->pattern(i, o.scenes.size(), outputs[i].stem().string(), o.shot.has_many_pictures()).string()
+            : batch_pattern(o, outputs[i])};
     try {
       const std::string prefix = fmt::format("scene {} of {}, ", i + 1, o.scenes.size());
-      const TakeResult result = render_scene(one, inputs, stage, threads, progress, prefix, parts.part(i, prefix));
+      const TakeResult result =
+          render_scene(one, inputs, stage, threads, progress, {dataset, i}, prefix, parts.part(i, prefix));
       done += result.done;
       is_last_unfinished = result.is_last_unfinished;
     } catch (const Error& error) {
@@ -264,6 +276,15 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
   if (failed > 0) throw Error(fmt::format("{} of {} scenes have no picture", failed, o.scenes.size()), folder.string());
 }
 
+void render_all(const RenderOptions& o, const std::shared_ptr<Stage>& stage, int threads, ProgressLine& progress,
+                Dataset* dataset) {
+  if (o.is_batch) return render_batch(o, inputs_of_options(o), stage, threads, progress, dataset);
+  const TakeResult result = render_scene(o, inputs_of_options(o), stage, threads, progress, {dataset, 0});
+  if (o.shot.has_many_pictures() && result.interrupted) {
+    report_interruption(result.done, result.asked, result.is_last_unfinished);
+  }
+}
+
 void run_render(const RenderOptions& o, const std::shared_ptr<Stage>& stage) {
   ProgressLine progress(o.quiet);
   check_memory(o);
@@ -273,11 +294,17 @@ void run_render(const RenderOptions& o, const std::shared_ptr<Stage>& stage) {
   const bool is_set = o.shot.has_many_pictures() || o.scenes.size() > 1;
   std::optional<Interrupt> between;
   if (is_set) between.emplace();
-  if (o.is_batch) return render_batch(o, inputs_of_options(o), stage, threads.threads(), progress);
-  const TakeResult result = render_scene(o, inputs_of_options(o), stage, threads.threads(), progress);
-  if (is_set && result.interrupted) {
-    report_interruption(result.done, result.asked, result.is_last_unfinished);
+  if (!o.dataset) return render_all(o, stage, threads.threads(), progress, nullptr);
+  Diagnostics diagnostics;
+  Dataset dataset(*o.dataset, o.dataset_folder, *o.instances, &diagnostics);
+  try {
+    render_all(o, stage, threads.threads(), progress, &dataset);
+  } catch (...) {
+    dataset.finish();  // of the pictures that are there
+    throw;
   }
+  dataset.finish();
+  report_warnings(o, diagnostics, 0, progress);
 }
 
 /// Each line is a command line of its own; what they load is shared.
@@ -291,6 +318,7 @@ void render_jobs(const RenderOptions& given) {
     CommandLine line("candela", "a job", version());
     Command command = line.add_verb("render", "a job");
     RenderOptions options;
+    options.job_list = given.jobs;
     add_render_options(command, options);
     std::vector<std::string> arguments{"render"};
     arguments.insert(arguments.end(), words.begin(), words.end());

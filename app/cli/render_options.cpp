@@ -77,7 +77,7 @@ void add_picture(Command& command, RenderOptions& o) {
             "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
       .group(group);
   add_value(command, "--background", "env|transparent|COLOUR", o.background, parse_background,
-            "Behind it all: #rgb, #rrggbb or #rrggbbaa (sRGB), r,g,b (linear), black, grey, white [env]")
+            "Behind it all: #rgb, #rrggbb or #rrggbbaa (sRGB), r,g,b (linear), or a CSS name: rebeccapurple [env]")
       .group(group);
   add_value(command, "--studio", names_of(kStudios, "|"), o.studio, parse_studio,
             "Light, paper and exposure of a product shot; --env, --ground and --background override it [none]")
@@ -93,6 +93,15 @@ void add_picture(Command& command, RenderOptions& o) {
       .group(group);
   add_value(command, "--aov", "LIST", o.shot.layers, parse_layers,
             "Layers beside the picture in the .exr, some of " + names_of(kLayers))
+      .group(group);
+  add_value(command, "--cryptomatte", "object,material", o.shot.mattes, parse_mattes,
+            "Soft masks of these in the .exr, as compositing programs read them")
+      .group(group);
+  add_value(command, "--dataset", names_of(kDatasets, "|"), o.dataset, parse_dataset,
+            "Pictures with what is known of them into -o DIR: masks and boxes, COCO, BOP, NeRF's transforms.json")
+      .group(group);
+  add_value(command, "--instances", "node|scene", o.instances, parse_instances,
+            "What the data set calls an object [node; scene where several scenes are given]")
       .group(group);
 }
 
@@ -272,6 +281,7 @@ constexpr const char* kExamples = R"(Examples:
   candela render helmet.glb -o turn.webp --engine raster --turntable 48
   candela render shoe.glb -o shoe-{variant}-{view}.png --variants all --views front,right,top,iso
   candela render helmet.glb -o train/{camera}.png --cameras sphere:100 --write-cameras transforms.json
+  candela render shoe.glb --dataset coco -o train --cameras sphere:200,1 --engine raster --size 512x512
   candela render fox.glb -o run.png --animation Run --frame-time 0.4s --shutter 20ms
   candela render fox.glb -o run/%03d.png --engine raster --animation Run --sequence 30
   candela render a.glb b.glb models/ -o pictures/ --engine raster --size 256x256
@@ -306,20 +316,57 @@ void list_scenes_of(RenderOptions& o) {
   o.is_batch = o.scenes != names || o.scenes.size() > 1;
 }
 
+/// Its pictures have the names that the format wants, in a folder that is given.
+void check_dataset(const Command& command, RenderOptions& o) {
+  if (!o.dataset) {
+    if (o.instances) throw UsageError("--instances: only with --dataset");
+    return;
+  }
+  if (o.outputs.size() != 1) throw UsageError("--dataset: needs the folder that it goes to: -o DIR");
+  if (!fs::path(o.outputs[0]).extension().empty() && !fs::is_directory(o.outputs[0])) {
+    throw UsageError("--output: a data set is a folder: " + o.outputs[0]);
+  }
+  for (const char* option : {"--aov", "--cryptomatte"}) {
+    if (command.has(option))
+      throw UsageError(std::string(option) + ": only an .exr holds it, and --dataset writes .png");
+  }
+  const bool has_objects = kDatasets[static_cast<std::size_t>(*o.dataset)].has_objects;
+  if (o.instances && !has_objects) throw UsageError("--instances: transforms.json tells no objects apart");
+  if (o.is_batch && !has_objects) throw UsageError("--dataset: transforms.json is of one scene");
+  if (o.is_batch && (o.shot.turntable || o.shot.sequence)) {
+    throw UsageError("--dataset: of several scenes the pictures come from --cameras or --views");
+  }
+  try {
+    set_dataset(*o.dataset, o.shot);
+  } catch (const Error& error) {
+    throw UsageError(error.where() + ": " + error.message());
+  }
+  if (!o.instances) o.instances = o.is_batch ? InstanceKind::scene : InstanceKind::node;
+  o.dataset_folder = o.outputs[0];
+  if (o.is_batch) return;
+  const Dataset names(*o.dataset, o.dataset_folder, *o.instances);
+  o.outputs = {names.pattern(0, 1, o.stems[0], o.shot.has_many_pictures()).string()};
+}
+
 /// Several scenes, or one into a folder.
-void check_batch(RenderOptions& o) {
+void check_batch(const Command& command, RenderOptions& o) {
   // A folder named like a picture is more likely in the way than meant.
   const auto is_named_as_folder = [](const std::string& name) {
     return name.ends_with('/') || (fs::is_directory(name) && fs::path(name).extension().empty());
   };
-  const bool is_folder = o.outputs.size() == 1 && is_named_as_folder(o.outputs[0]);
+  const bool is_folder = o.outputs.size() == 1 && (o.dataset || is_named_as_folder(o.outputs[0]));
+  if (o.dataset && !o.is_batch) return;
   if (!o.is_batch && !is_folder) return;
   if (!is_folder) throw UsageError("--output: of several scenes it is one folder: -o DIR/");
   if (o.shot.turntable) throw UsageError("--turntable: one scene at a time");
   if (o.shot.sequence) throw UsageError("--sequence: one scene at a time");
   if (o.written_cameras) throw UsageError("--write-cameras: one scene at a time");
   if (o.stats) throw UsageError("--stats: one scene at a time");
-  if (!o.shot.layers.empty()) throw UsageError("--aov: only an .exr holds layers; give one scene and -o FILE.exr");
+  for (const char* option : {"--aov", "--cryptomatte"}) {
+    if (command.has(option)) {
+      throw UsageError(std::string(option) + ": only an .exr holds layers; give one scene and -o FILE.exr");
+    }
+  }
   o.is_batch = true;
 }
 
@@ -327,7 +374,8 @@ void check_outputs(const Command& command, RenderOptions& o) {
   for (const auto& [one, many] : {std::pair{"--variant", "--variants"}, std::pair{"--animation", "--animations"}}) {
     if (command.has(one) && command.has(many)) throw UsageError(fmt::format("{} excludes {}", one, many));
   }
-  check_batch(o);
+  check_dataset(command, o);
+  check_batch(command, o);
   if (o.is_batch) return;
   if (o.shot.turntable && o.shot.sequence) throw UsageError("--sequence: not together with --turntable");
   if (o.outputs.empty()) {
@@ -361,7 +409,11 @@ void check_outputs(const Command& command, RenderOptions& o) {
   if (o.frames_per_second && std::none_of(o.outputs.begin(), o.outputs.end(), is_a_film)) {
     throw UsageError("--fps: only for a film: -o FILE.mp4, .webm, .webp or .gif");
   }
-  if (!o.shot.layers.empty() && !any_exr) throw UsageError("--aov: only an .exr holds layers; add -o FILE.exr");
+  for (const char* option : {"--aov", "--cryptomatte"}) {
+    if (command.has(option) && !any_exr) {
+      throw UsageError(std::string(option) + ": only an .exr holds layers; add -o FILE.exr");
+    }
+  }
 }
 
 std::optional<denoise::Method> parse_denoiser(const std::string& text, path::Integrator integrator) {
@@ -418,7 +470,11 @@ void check_engine(const Command& command, const RenderOptions& o) {
   if (raster::shows_numbers(o.shot.drawn.quantity)) {
     const std::string why = "--view shows numbers, which are left as they are";
     refuse({"--exposure", "--tonemap", "--bloom"}, why);
-    if (raster::is_of_surface(o.shot.drawn.quantity)) refuse({"--msaa"}, why);
+    if (raster::is_of_surface(o.shot.drawn.quantity)) {
+      refuse({"--msaa"}, why);
+      refuse({"--ao", "--soft-shadows", "--light-radius", "--ambient", "--probes", "--vignetting"},
+             "--view shows a number of the surface, which no light changes");
+    }
   }
   const raster::Quantity shown = o.shot.drawn.quantity;
   if (shown != raster::Quantity::light && shown != raster::Quantity::luminance) {

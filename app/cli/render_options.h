@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "candela/dataset.h"
 #include "candela/shot.h"
 #include "cli/command_line.h"
 #include "cli/values.h"
@@ -15,6 +16,7 @@ namespace candela::cli {
 struct RenderOptions {
   Shot shot;                           ///< of the scene at hand
   std::string jobs;                    ///< a file of command lines, in place of all others
+  std::string job_list = {};           ///< the file that this is a line of
   std::vector<std::string> scenes;     ///< files, folders replaced by what is below them
   std::vector<std::string> stems;      ///< what the picture of each is called in a folder, ListedScene::stem
   std::vector<std::string> outputs;    ///< with a turntable patterns of names; with several scenes one folder
@@ -34,7 +36,10 @@ struct RenderOptions {
   std::optional<std::filesystem::path> stats;            ///< "-" is standard output
   std::optional<std::filesystem::path> camera_file;      ///< --cameras
   std::optional<std::filesystem::path> written_cameras;  ///< --write-cameras
-  std::optional<float> frames_per_second;                ///< of films
+  std::optional<DatasetKind> dataset;
+  std::filesystem::path dataset_folder;
+  std::optional<InstanceKind> instances;   ///< of the data set
+  std::optional<float> frames_per_second;  ///< of films
   bool quiet = false;
   bool strict = false;
 };

@@ -136,6 +136,7 @@ Inputs inputs_of_options(const RenderOptions& o) {
   Inputs inputs;
   for (const std::string& scene : o.scenes) inputs.add(scene, "the scene " + scene);
   if (o.camera_file) inputs.add(*o.camera_file, "the cameras");
+  if (!o.job_list.empty() && o.job_list != "-") inputs.add(o.job_list, "the list of jobs");
   inputs.add_environment(o.shot.environment.value_or(""));
   if (!o.shot.drawn.shader_folder.empty()) inputs.add_folder(o.shot.drawn.shader_folder, "a shader");
   return inputs;
@@ -158,6 +159,7 @@ void check_overwriting(const RenderOptions& o, const PictureNames& names, const 
   }
   if (o.stats && *o.stats != "-") check(*o.stats, "");
   if (o.written_cameras) check(*o.written_cameras, "");
+  if (o.dataset) inputs.refuse_folder(o.dataset_folder);
 }
 
 void check_paths(const RenderOptions& o) {

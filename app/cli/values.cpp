@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/text.h"
+#include "cli/css_colors.h"
 #include "scene/shading_model.h"
 
 namespace candela::cli {
@@ -166,12 +168,31 @@ std::optional<vec4> hex_color(const std::string& text) {
   return vec4(srgb_to_linear(channels[0]), srgb_to_linear(channels[1]), srgb_to_linear(channels[2]), channels[3]);
 }
 
+/// By its name in CSS, which may be in capitals.
+std::optional<vec3> named_color(const std::string& text) {
+  const std::string name = lower_case(text);
+  for (const NamedColor& color : kCssColors) {
+    if (color.name != name) continue;
+    const auto channel = [&](unsigned shift) {
+      return srgb_to_linear(static_cast<float>(color.rgb >> shift & 255U) / 255.0f);
+    };
+    return vec3(channel(16), channel(8), channel(0));
+  }
+  return std::nullopt;
+}
+
+/// What may have been meant by a name that no colour has.
+std::string nearest_color(const std::string& text) {
+  std::vector<std::string> names;
+  for (const NamedColor& color : kCssColors) names.emplace_back(color.name);
+  const std::string meant = did_you_mean(lower_case(text), names, "");
+  return meant.empty() ? "give #rgb, #rrggbb, r,g,b or a name of CSS" : meant;
+}
+
 }  // namespace
 
 vec3 parse_color(const std::string& text) {
-  if (text == "black") return vec3(0.0f);
-  if (text == "white") return vec3(1.0f);
-  if (text == "grey" || text == "gray") return vec3(0.18f);  // a photographer's grey card
+  if (const std::optional<vec3> color = named_color(text)) return *color;
   if (text.starts_with('#')) {
     const std::optional<vec4> color = hex_color(text);
     if (!color) throw UsageError(fmt::format("'{}' is no colour #rgb or #rrggbb", text));
@@ -179,7 +200,7 @@ vec3 parse_color(const std::string& text) {
     return {color->x, color->y, color->z};
   }
   if (text.find(',') == std::string::npos) {
-    throw UsageError(fmt::format("'{}' is no colour: give #rgb, #rrggbb, r,g,b, black, grey or white", text));
+    throw UsageError(fmt::format("'{}' is no colour: {}", text, nearest_color(text)));
   }
   const vec3 color = parse_vec3(text);
   if (color.x < 0.0f || color.y < 0.0f || color.z < 0.0f) throw UsageError(fmt::format("'{}' is negative", text));
@@ -207,15 +228,25 @@ std::vector<std::string> parse_names(const std::string& text) {
   return names;
 }
 
-std::set<Layer> parse_layers(const std::string& text) {
-  std::set<Layer> layers;
+namespace {
+
+/// Of names with commas between them.
+template <class Parse>
+auto parse_set(std::string_view text, Parse parse) {
+  std::set<decltype(parse(text))> values;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    layers.insert(parse_layer(std::string_view(text).substr(begin, end - begin)));
+    values.insert(parse(text.substr(begin, end - begin)));
     begin = end + 1;
   }
-  return layers;
+  return values;
 }
+
+}  // namespace
+
+std::set<Layer> parse_layers(const std::string& text) { return parse_set(text, parse_layer); }
+
+std::set<MatteKind> parse_mattes(const std::string& text) { return parse_set(text, parse_matte_kind); }
 
 path::PixelFilter parse_filter(const std::string& text) {
   using enum path::PixelFilter;
@@ -289,8 +320,8 @@ GroundChoice parse_ground(const std::string& text) {
   if (is_mirror_alone || first == "shadow") return ground;
   try {
     ground.color = parse_color(first);
-  } catch (const UsageError&) {
-    throw UsageError(fmt::format("'{}' is neither shadow, nor mirror:X, nor a colour", first));
+  } catch (const UsageError& error) {
+    throw UsageError(fmt::format("neither shadow, nor mirror:X; {}", error.what()));
   }
   if (max_component(*ground.color) > 1.0f) throw UsageError("no ground reflects more than all light");
   return ground;

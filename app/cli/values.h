@@ -32,6 +32,7 @@ vec3 parse_color(const std::string& text);           ///< linear from "#rgb", "#
 Orbit parse_orbit(const std::string& text);          ///< "azimuth,elevation[,distance]", degrees
 std::vector<std::string> parse_names(const std::string& text);  ///< "a,b,c", none of them empty
 std::set<Layer> parse_layers(const std::string& text);
+std::set<MatteKind> parse_mattes(const std::string& text);
 path::PixelFilter parse_filter(const std::string& text);
 path::Integrator parse_integrator(const std::string& text);
 shade::ShadingModel parse_shading(const std::string& text);

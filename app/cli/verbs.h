@@ -34,7 +34,7 @@ inline constexpr auto kVerbs = std::to_array<VerbInfo>({
     {"furnace", "Measure what the materials do with light", add_furnace},
     {"bake", "Image-based light for engines, with its error measured", add_bake},
     {"check", "Judge materials, textures and meshes as a physicist would", add_check},
-    {"diff", "Measure how far one picture is from another", add_diff},
+    {"diff", "Measure how far one picture or model is from another", add_diff},
     {"view", "Show a scene in a window, drawn in real time", add_view},
     {"figures", "Make the figures of physically based shading, as pages to read", add_figures},
 });

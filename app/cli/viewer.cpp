@@ -54,7 +54,7 @@ class Viewer {
   void draw();
   void save();
   void report_warnings();
-  View view() const;
+  View view();
 
   double opened_s_ = seconds_now();
   ViewOptions options_;
@@ -63,12 +63,15 @@ class Viewer {
   Asset asset_;
   std::shared_ptr<const Scene> scene_;
   Environment environment_;
-  Box3 bounds_;  ///< of the scene at rest: what moves shall not move the camera
+  std::shared_ptr<const Scene> at_rest_;  ///< is what is framed: what moves shall not move the camera
+  Extent extent_;                         ///< of it
   DevelopSettings develop_;
   gl::Window window_;
   raster::Settings settings_;
   raster::Drawer drawer_;
   Orbit orbit_;
+  View framed_;  ///< as first seen, for a window of that shape
+  float framed_aspect_ = 0.0f;
   std::optional<std::size_t> camera_;  ///< the node of the scene's own
   bool is_turned_ = false;             ///< by the user, away from it
   bool is_playing_ = false;
@@ -100,7 +103,8 @@ Viewer::Viewer(const ViewOptions& o)
       scene_(std::make_shared<const Scene>(asset_.scene())),
       environment_(o.environment ? make_environment(*o.environment, &diagnostics_)
                                  : default_light(*scene_, &diagnostics_)),
-      bounds_(subject_bounds(*scene_)),
+      at_rest_(scene_),
+      extent_(*at_rest_),
       develop_(default_develop(*scene_, environment_)),
       window_("candela: " + o.scene, o.size),
       settings_(settings_of(o)),
@@ -108,6 +112,7 @@ Viewer::Viewer(const ViewOptions& o)
   const ivec2 size = window_.size();
   const float aspect = static_cast<float>(std::max(size.x, 1)) / static_cast<float>(std::max(size.y, 1));
   camera_ = default_camera(*scene_, aspect, &diagnostics_);
+  orbit_ = default_orbit(*scene_, extent_.bounds());
   report_warnings();
   is_playing_ = asset_.is_animated();
   if (!options_.shader_folder.empty()) shaders_changed_ = last_change(options_.shader_folder);
@@ -120,10 +125,15 @@ void Viewer::report_warnings() {
   }
 }
 
-View Viewer::view() const {
+/// At first as `candela render` has it; then around the subject, at the same distance however wide it is from there.
+View Viewer::view() {
   const float aspect = static_cast<float>(settings_.width) / static_cast<float>(settings_.height);
   if (!is_turned_ && camera_) return scene_camera(*scene_, scene_->nodes[*camera_], aspect);
-  return frame_box(bounds_, aspect, PerspectiveCamera{}.yfov, orbit_);
+  if (framed_aspect_ != aspect) {
+    framed_ = frame(extent_, {.orbit = default_orbit(*at_rest_, extent_.bounds()), .aspect = aspect});
+    framed_aspect_ = aspect;
+  }
+  return moved_to(framed_, extent_.empty() ? vec3(0.0f) : extent_.bounds().center(), orbit_);
 }
 
 void Viewer::save() {

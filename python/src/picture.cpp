@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "cli/values.h"
 #include "image/develop.h"
-#include "image/image_file.h"
+#include "image/png_bytes.h"
 #include "io/camera_file.h"
 
 namespace candela::python {
@@ -208,7 +208,8 @@ void bind_picture(nb::module_& module) {
       .def("__getitem__", &layer_of, nb::arg("name"),
            nb::sig("def __getitem__(self, name: str) -> numpy.typing.NDArray[numpy.float32]"),
            "float32, (h, w) or (h, w, channels), row 0 at the top. \"beauty\": (h, w, 4), premultiplied by alpha. "
-           "\"depth\": (h, w), metres along the ray, inf where nothing is. \"id\": (h, w), 1 + number of the node, 0 = "
+           "\"depth\": (h, w), metres along the camera's axis, inf where nothing is. \"id\": (h, w), 1 + number of the "
+           "node, 0 = "
            "nothing. \"normal\": (h, w, 3), world space, unit. \"position\": (h, w, 3), metres. Raises KeyError.")
       .def("__contains__",
            [](const PictureOf& p, const std::string& name) {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "candela/verdict.h"
 #include "image/flip.h"
 #include "shade/color.glsl.h"
 
@@ -109,6 +110,50 @@ Image linear(const DisplayImage& image) {
   return result;
 }
 
+/// A picture and how it is shown: without a background, with an exposure.
+struct Side {
+  const Film& film;
+  DevelopSettings develop;
+};
+
+Image shown_over(const Side& side, float background) {
+  DevelopSettings settings = side.develop;
+  settings.background = vec3(background);
+  return linear(develop(side.film, settings));
+}
+
+/// Colours over black, and the alpha of `shown` where there are four channels.
+Image shown_values(const Side& side, const DisplayImage& shown, int channels) {
+  const Image over_black = shown_over(side, 0.0f);
+  Image result(over_black.width, over_black.height, channels);
+  for (std::size_t i = 0; i < shown.rgba.size() / 4; ++i) {
+    for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c) {
+      result.pixels[i * static_cast<std::size_t>(channels) + c] =
+          c < 3 ? over_black.pixels[i * 3 + c] : static_cast<float>(shown.rgba[i * 4 + 3]) / 255.0f;
+    }
+  }
+  return result;
+}
+
+/// What the eye sees of the difference, and what it sees it in.
+void compare_as_seen(const Side& a, const Side& b, PictureDifference& result) {
+  result.first = develop(a.film, a.develop);
+  result.second = develop(b.film, b.develop);
+  result.error = flip(shown_over(a, 0.0f), shown_over(b, 0.0f));
+  if (is_transparent(a.film) || is_transparent(b.film)) {
+    const Image over_white = flip(shown_over(a, 1.0f), shown_over(b, 1.0f));
+    for (std::size_t i = 0; i < over_white.pixels.size(); ++i) {
+      result.error.pixels[i] = std::max(result.error.pixels[i], over_white.pixels[i]);
+    }
+  }
+  double sum = 0.0;
+  for (const float error : result.error.pixels) {
+    sum += error;
+    result.flip_max = std::max(result.flip_max, static_cast<double>(error));
+  }
+  result.flip = sum / static_cast<double>(result.error.pixels.size());
+}
+
 /// A picture, and its file where that has layers beside it which count too.
 struct Opened {
   explicit Opened(const ImageName& name) {
@@ -155,6 +200,26 @@ std::vector<fs::path> pictures_below(const fs::path& folder) {
   return result;
 }
 
+struct Listed {
+  fs::path folder;
+  std::vector<fs::path> files;
+};
+
+std::vector<FilePair> pairs_of(const Listed& first, const Listed& second) {
+  std::map<std::string, FilePair> pairs;
+  for (const fs::path& path : first.files) pairs[path.lexically_relative(first.folder).generic_string()].first = path;
+  for (const fs::path& path : second.files) {
+    pairs[path.lexically_relative(second.folder).generic_string()].second = path;
+  }
+  std::vector<FilePair> result;
+  result.reserve(pairs.size());
+  for (auto& [name, pair] : pairs) {
+    pair.name = name;
+    result.push_back(std::move(pair));
+  }
+  return result;
+}
+
 }  // namespace
 
 PictureDifference compare_pictures(const ImageName& first, const ImageName& second,
@@ -176,46 +241,55 @@ PictureDifference compare_pictures(const ImageName& first, const ImageName& seco
   const Film& metered = is_display_a ? film_b : film_a;
   const float exposure =
       settings.exposure ? *settings.exposure : (result.is_display ? 1.0f : metered_exposure(metered));
-  const auto shown = [&](const Film& film, bool is_display, float background) {
-    DevelopSettings develop_settings{.exposure = exposure, .tone_curve = settings.tone_curve, .dither = false};
-    if (is_display) develop_settings.exposure = 1.0f, develop_settings.tone_curve = ToneCurve::linear;
-    develop_settings.background = vec3(background);
-    return develop(film, develop_settings);
+  const auto develop_of = [&](bool is_display) {
+    if (is_display) return DevelopSettings{.exposure = 1.0f, .tone_curve = ToneCurve::linear, .dither = false};
+    return DevelopSettings{.exposure = exposure, .tone_curve = settings.tone_curve, .dither = false};
   };
-  result.first = shown(film_a, is_display_a, 0.0f);
-  result.second = shown(film_b, is_display_b, 0.0f);
-  result.error = flip(linear(result.first), linear(result.second));
-  if (is_transparent(film_a) || is_transparent(film_b)) {
-    const Image over_white = flip(linear(shown(film_a, is_display_a, 1.0f)), linear(shown(film_b, is_display_b, 1.0f)));
-    for (std::size_t i = 0; i < over_white.pixels.size(); ++i) {
-      result.error.pixels[i] = std::max(result.error.pixels[i], over_white.pixels[i]);
-    }
-  }
-  double sum = 0.0;
-  for (const float error : result.error.pixels) {
-    sum += error;
-    result.flip_max = std::max(result.flip_max, static_cast<double>(error));
-  }
-  result.flip = sum / static_cast<double>(result.error.pixels.size());
+  compare_as_seen({film_a, develop_of(is_display_a)}, {film_b, develop_of(is_display_b)}, result);
   return result;
 }
 
-std::vector<PicturePair> picture_pairs(const fs::path& first, const fs::path& second) {
-  std::map<std::string, PicturePair> pairs;
-  for (const fs::path& path : pictures_below(first)) {
-    pairs[path.lexically_relative(first).generic_string()].first = path;
-  }
-  for (const fs::path& path : pictures_below(second)) {
-    pairs[path.lexically_relative(second).generic_string()].second = path;
-  }
-  if (pairs.empty()) throw Error("no picture below", first.string());
-  std::vector<PicturePair> result;
-  result.reserve(pairs.size());
-  for (auto& [name, pair] : pairs) {
-    pair.name = name;
-    result.push_back(std::move(pair));
-  }
+PictureDifference compare_films(const Film& first, const Film& second, const DevelopSettings& develop,
+                                double tolerance) {
+  require_equal_sizes(first.beauty, second.beauty, "the first", "the second");
+  PictureDifference result;
+  result.size = {first.width(), first.height()};
+  result.is_display = true;
+  const DevelopSettings shown{.exposure = develop.exposure ? *develop.exposure : metered_exposure(first),
+                              .tone_curve = develop.tone_curve,
+                              .dither = false};
+  const Side a{first, shown}, b{second, shown};
+  compare_as_seen(a, b, result);
+  const int channels = is_transparent(first) || is_transparent(second) ? 4 : 3;
+  result.layers.push_back(compare_images(shown_values(a, result.first, channels),
+                                         shown_values(b, result.second, channels), true, tolerance));
   return result;
+}
+
+std::vector<FilePair> picture_pairs(const fs::path& first, const fs::path& second) {
+  std::vector<FilePair> pairs = pairs_of({first, pictures_below(first)}, {second, pictures_below(second)});
+  if (pairs.empty()) throw Error("no picture below", first.string());
+  return pairs;
+}
+
+std::vector<FilePair> scene_pairs(const fs::path& first, const fs::path& second) {
+  const auto scenes = [](const fs::path& folder) {
+    const std::vector<std::string> names = find_scenes_below(folder);
+    return Listed{folder, {names.begin(), names.end()}};
+  };
+  const Listed a = scenes(first), b = scenes(second);
+  if (a.files.empty() || b.files.empty()) return {};
+  return pairs_of(a, b);
+}
+
+Comparable comparable_of(const std::string& name) {
+  std::error_code ignored;
+  if (name.starts_with("demo:")) return Comparable::scene;
+  if (fs::is_directory(name, ignored)) return Comparable::folder;
+  const ImageName image = parse_image_name(name);
+  if (!image.layer.empty() || is_picture(image.path)) return Comparable::picture;
+  const bool is_image = sniff_image_format(read_head(image.path, kSniffedBytes)) != ImageFormat::unknown;
+  return is_image ? Comparable::picture : Comparable::scene;
 }
 
 DisplayImage error_map(const Image& error) {

@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "candela/shot.h"
 #include "image/develop.h"
 #include "image/image_file.h"
 
@@ -36,7 +38,7 @@ struct PictureDifference {
   std::vector<LayerDifference> layers;  ///< the picture, then the layers that both OpenEXR files have
   std::vector<std::string> unmatched;   ///< layers that one of the two lacks
   Image error;                          ///< FLIP of each pixel, 1 channel, as flip() says
-  DisplayImage first, second;           ///< as they were compared, over black where they are transparent
+  DisplayImage first, second;           ///< as a display shows them, transparent where they are
 };
 
 /// Compares a picture with its reference, `first`. Linear ones are developed with one exposure for FLIP; transparent
@@ -44,14 +46,40 @@ struct PictureDifference {
 /// sizes that differ.
 PictureDifference compare_pictures(const ImageName& first, const ImageName& second, const DifferenceSettings& settings);
 
-/// A picture of two folders, by its name below them. A path is empty where that folder has none.
-struct PicturePair {
+/// The same of two pictures that are both shown as `develop` says, without its background, bloom and dithering: its
+/// exposure, else what the first one's meter says. Values are those that a display shows.
+PictureDifference compare_films(const Film& first, const Film& second, const DevelopSettings& develop,
+                                double tolerance = 0.0);
+
+/// Pictures of two models, or of one in two ways, and how far one is from the other.
+struct ShotDifference {
+  std::size_t index = 0;
+  PictureLabel label;
+  PictureDifference difference;
+};
+
+/// Takes the pictures of both shots as Take::prepare_beside() says, compares each of the second with that of the first,
+/// as a display shows both, and passes it to `take`. Of `settings` the tolerance counts alone: how light is shown is
+/// the first shot's. Holds all pictures of the first. Warnings go to Job::diagnostics. Throws Error as Take does,
+/// Interrupted after a stop.
+void compare_shots(const Shot& first, const Shot& second, const DifferenceSettings& settings,
+                   const std::function<void(ShotDifference)>& take, const Job& job = {});
+
+/// A file of two folders, by its name below them. A path is empty where that folder has none.
+struct FilePair {
   std::string name;
   std::filesystem::path first, second;
 };
 /// All pictures below two folders (.png .jpg .jpeg .webp .avif .hdr .exr), sorted by name. Throws Error if there is
 /// none.
-std::vector<PicturePair> picture_pairs(const std::filesystem::path& first, const std::filesystem::path& second);
+std::vector<FilePair> picture_pairs(const std::filesystem::path& first, const std::filesystem::path& second);
+/// All scenes below them, as scenes_below() finds them; none where one of the two has none.
+std::vector<FilePair> scene_pairs(const std::filesystem::path& first, const std::filesystem::path& second);
+
+/// What can be compared: a picture with a picture, a folder with a folder, a scene with a scene.
+enum class Comparable { picture, folder, scene };
+/// What a name means: a folder, "demo:NAME", a picture by its content or its extension or FILE.exr:LAYER; else a scene.
+Comparable comparable_of(const std::string& name);
 
 /// An error of 0 to 1 in colours whose lightness grows with it: black, violet, red, orange, pale yellow.
 DisplayImage error_map(const Image& error);

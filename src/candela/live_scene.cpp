@@ -8,11 +8,14 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "candela/objects.h"
 #include "candela/taking.h"
 #include "candela/viewpoint.h"
 #include "image/image_file.h"
 #include "io/vertex_frames.h"
 #include "scene/material_table.h"
+#include "scene/surface_layers.h"
 
 namespace candela {
 
@@ -66,10 +69,10 @@ struct LiveScene::Prepared {
   std::string shading;
   int probes = 0;
 
-  bool has_same_light(const Prepared& other) const {
-    return environment == other.environment && rotation == other.rotation && intensity == other.intensity &&
-           shading == other.shading;
+  bool has_same_environment(const Prepared& other) const {
+    return environment == other.environment && rotation == other.rotation && intensity == other.intensity;
   }
+  bool has_same_light(const Prepared& other) const { return has_same_environment(other) && shading == other.shading; }
   bool has_same_shapes(const Prepared& other) const { return scene == other.scene && shapes == other.shapes; }
   bool is_same(const Prepared& other) const {
     return has_same_light(other) && has_same_shapes(other) && lamps == other.lamps && probes == other.probes;
@@ -94,8 +97,9 @@ struct LiveScene::Engines {
                             const std::shared_ptr<raster::Device>& device, const Job& job);
 
   std::shared_ptr<LiveStage> stage;
-  std::mutex mutex;  ///< of the tracer
+  std::mutex mutex;  ///< of the tracer and its light
   std::optional<path::Tracer> tracer;
+  std::optional<path::FarLight> far_light;
   Prepared traced;
 
   // ----- of the thread that draws
@@ -110,15 +114,20 @@ path::Tracer LiveScene::Engines::tracer_of(const Prepared& wanted, const Environ
   const std::lock_guard lock(mutex);
   if (tracer && traced.is_same(wanted)) return *tracer;
   const StopScope scope(job.stop);
+  const Stopwatch watch;
   const bool keeps_shapes = tracer && traced.has_same_shapes(wanted) && traced.shading == wanted.shading;
+  if (!far_light || !traced.has_same_environment(wanted)) {
+    far_light.reset();  // before there is another
+    far_light.emplace(lit);
+  }
   if (keeps_shapes) {
-    tracer.emplace(path::Tracer(*tracer, wanted.scene, lit));
+    tracer.emplace(path::Tracer(*tracer, wanted.scene, *far_light));
   } else {
-    tracer.reset();  // before there is another
-    tracer.emplace(wanted.scene, lit, shading);
+    tracer.reset();
+    tracer.emplace(wanted.scene, *far_light, shading);
   }
   traced = wanted;
-  build_s = tracer->build_s();
+  build_s = watch.seconds();
   return *tracer;
 }
 
@@ -312,6 +321,19 @@ TakenPicture LiveScene::Moment::draw(const View& view, const Prepared& wanted, c
   return picture;
 }
 
+/// What the engines do not know.
+void LiveScene::Moment::complete(LivePicture& picture, Diagnostics* diagnostics) const {
+  Film& film = picture.taken.film;
+  if (film.surfaces) {
+    film.layers[Layer::motion] = motion_layer(*scene_, picture.view, *film.surfaces, *scene_, picture.view);
+    film.surfaces.reset();
+    if (diagnostics != nullptr) diagnostics->warn("motion is 0: a picture of a scene that stands still", scene_->name);
+  }
+  const bool has_numbers =
+      std::any_of(shot_.layers.begin(), shot_.layers.end(), [](Layer layer) { return layer_info(layer).is_number; });
+  if (has_numbers) film.metadata["objects"] = objects_json(*scene_);
+}
+
 LivePicture LiveScene::Moment::render(const std::shared_ptr<const Environment>& light, Diagnostics* diagnostics,
                                       const Job& job) const {
   const auto warn = [&](std::string message) {
@@ -341,6 +363,7 @@ LivePicture LiveScene::Moment::render(const std::shared_ptr<const Environment>& 
   told.diagnostics = diagnostics;
   picture.taken = is_traced ? trace(picture.view, wanted, lit, develop, told) : draw(picture.view, wanted, lit, told);
   if (is_denoised) take_noise_out(*shot.denoiser, picture.taken, job, warn);
+  complete(picture, diagnostics);
   picture.taken.develop = develop;
   const double samples = is_traced ? picture.taken.traced.mean_samples_per_pixel : picture.taken.drawn.frames;
   shot.scene = scene_->name;

@@ -80,6 +80,8 @@ class LiveScene {
                        const Job& job) const;
     TakenPicture draw(const View& view, const Prepared& wanted, const Environment& lit, const Job& job) const;
 
+    void complete(LivePicture& picture, Diagnostics* diagnostics) const;
+
     Shot shot_;
     std::shared_ptr<const Scene> scene_;
     std::shared_ptr<const int> is_in_use_;

@@ -6,11 +6,12 @@
 #include <cmath>
 #include <utility>
 
-#include "base/named_row.h"
 #include "base/stopwatch.h"
+#include "candela/objects.h"
 #include "candela/taking.h"
 #include "candela/viewpoint.h"
 #include "path/statistics.h"
+#include "scene/surface_layers.h"
 
 namespace candela {
 
@@ -31,59 +32,6 @@ std::string prefix_of(std::size_t index, std::size_t count) {
 
 }  // namespace
 
-Quality parse_quality(std::string_view name) { return row_named(kQualities, name, "unknown quality").quality; }
-
-void set_quality(Quality quality, Shot& shot) {
-  for (const QualityInfo& info : kQualities) {
-    if (info.quality != quality) continue;
-    shot.traced.samples = info.samples;
-    shot.traced.noise = info.noise > 0.0f ? std::optional(info.noise) : std::nullopt;
-    shot.denoiser = denoise::Method::regression;
-    shot.drawn.frames = info.frames;
-  }
-}
-
-Studio parse_studio(std::string_view name) { return row_named(kStudios, name, "unknown studio").studio; }
-
-void set_studio(Studio studio, Shot& shot) {
-  for (const StudioInfo& info : kStudios) {
-    if (info.studio != studio) continue;
-    shot.environment = info.environment;
-    shot.ground = GroundChoice{.color = info.paper, .mirror = info.mirror};
-  }
-}
-
-namespace {
-
-/// An engine's settings with what a shot says of the picture, which both engines know.
-template <class Settings>
-Settings with_picture(Settings settings, const Shot& shot) {
-  settings.width = shot.size.x;
-  settings.height = shot.size.y;
-  settings.background = shot.background;
-  settings.environment_in_glass = shot.environment_in_glass;
-  settings.layers = shot.layers;
-  return settings;
-}
-
-}  // namespace
-
-path::Settings traced_settings(const Shot& shot) {
-  path::Settings settings = with_picture(shot.traced, shot);
-  settings.has_features |= shot.denoiser.has_value();
-  if (shot.exposure) settings.develop.exposure = *shot.exposure;
-  settings.develop.tone_curve = shot.tone_curve;
-  return settings;
-}
-raster::Settings drawn_settings(const Shot& shot) { return with_picture(shot.drawn, shot); }
-
-std::uint64_t picture_bytes(const Shot& shot) {
-  const std::uint64_t pixels = static_cast<std::uint64_t>(shot.size.x) * static_cast<std::uint64_t>(shot.size.y);
-  return shot.engine == Engine::raster
-             ? raster::picture_bytes(drawn_settings(shot))
-             : path::picture_bytes(traced_settings(shot)) + (shot.denoiser ? denoise::bytes_per_pixel() * pixels : 0);
-}
-
 const Environment& Stage::environment(const std::string& name, Diagnostics* diagnostics) {
   auto found = environments_.find(name);
   if (found == environments_.end()) {
@@ -102,6 +50,15 @@ const Environment& Stage::environment(const std::string& name, Diagnostics* diag
 std::shared_ptr<raster::Device> Stage::device() {
   if (device_ == nullptr) device_ = std::make_shared<raster::Device>();
   return device_;
+}
+
+const path::FarLight& Stage::far_light(const std::string& key, const Environment& environment) {
+  if (!far_light_ || far_light_key_ != key) {
+    far_light_.reset();  // before there is another
+    far_light_.emplace(environment);
+    far_light_key_ = key;
+  }
+  return *far_light_;
 }
 
 struct Take::Viewpoints {
@@ -262,14 +219,25 @@ std::shared_ptr<const Scene> Take::first_scene() {
     const std::optional<vec3> color = ground.color ? ground.color : shot_.background_color;
     key += fmt::format("ground {} {} {}", color ? text_of(*color) : "", ground.mirror,
                        ground.height ? fmt::format("{}", *ground.height) : "");
+    if (ground_) key += fmt::format(" at {}", ground_->height);
   }
   return stage_->scenes().scene(key, make, diagnostics_);
+}
+
+/// Other takes on the stage may have it, but for light that is in a scene.
+const path::FarLight& Take::far_light() {
+  if (far_light_) return *far_light_;
+  const std::string key = fmt::format("{} {} {}", environment_.name, environment_.rotation, environment_.intensity);
+  const Stopwatch watch;
+  far_light_ = has_own_light_ ? path::FarLight(environment_) : stage_->far_light(key, environment_);
+  light_s_ = watch.seconds();
+  return *far_light_;
 }
 
 path::Tracer Take::new_tracer(std::shared_ptr<const Scene> scene) {
   const std::string key = fmt::format("{} {} {} {} {}", shot_.environment.value_or(""), environment_.name,
                                       environment_.rotation, environment_.intensity, shading_key(shot_.shading));
-  return stage_->scenes().tracer(scene, key, [&] { return path::Tracer(scene, environment_, shot_.shading); });
+  return stage_->scenes().tracer(scene, key, [&] { return path::Tracer(scene, far_light(), shot_.shading); });
 }
 
 std::shared_ptr<const Scene> Take::scene_of(std::size_t index) {
@@ -296,27 +264,70 @@ std::vector<View> Take::views() const {
   return views;
 }
 
-void Take::prepare() {
-  if (is_prepared_) return;
+void Take::load_scene() {
+  if (scene_ != nullptr) return;
   scene_ = first_scene();
   if (!is_moving_ && !shot_.variants) asset_.release();
-  const bool has_own_light = !shot_.environment && scene_->image_light.has_value();
-  environment_ = has_own_light
-                     ? scene_->image_light->environment
-                     : stage_->environment(shot_.environment.value_or(default_environment(*scene_)), diagnostics_);
+}
+
+/// `wished`: where neither shot nor scene has one.
+void Take::choose_light(const std::string& wished) {
+  has_own_light_ = !shot_.environment && scene_->image_light.has_value();
+  environment_ = has_own_light_ ? scene_->image_light->environment
+                                : stage_->environment(shot_.environment.value_or(wished), diagnostics_);
   const bool has_more_moments = shot_.sequence.value_or(1) > 1 || shot_.shutter_s > 0.0;
-  if (has_own_light && is_moving_ && has_more_moments && asset_.moves_image_light(planned_[0].animation)) {
+  if (has_own_light_ && is_moving_ && has_more_moments && asset_.moves_image_light(planned_[0].animation)) {
     warn("the image-based light moves, and stands as at the first moment");
   }
   environment_.rotation += shot_.environment_rotation;
   environment_.intensity *= shot_.environment_intensity;
-  choose_camera();
+}
+
+void Take::choose_views(const Extent& extent) {
   viewpoints_ = std::make_unique<Viewpoints>();
-  viewpoints_->all = choose_viewpoints(shot_, {*scene_, extent_of_all(*scene_), camera_node_});
+  viewpoints_->all = choose_viewpoints(shot_, {*scene_, extent, camera_node_});
   has_own_camera_ = (shot_.camera || camera_node_) && is_moving_ && !shot_.turntable;
+}
+
+void Take::prepare() {
+  if (is_prepared_) return;
+  load_scene();
+  choose_light(default_environment(*scene_));
+  choose_camera();
+  choose_views(extent_of_all(*scene_));
   develop_ = develop_of(shot_, *scene_, environment_);
   choose_denoiser(shot_, [this](std::string message) { warn(std::move(message)); });
+  const bool is_still = !step_of(0) && shot_.turntable.value_or(1) == 1;
+  if (is_still && shot_.layers.contains(Layer::motion)) {
+    warn("motion is 0: nothing moves from one picture to the next without --sequence, --shutter or --turntable");
+  }
   is_prepared_ = true;
+}
+
+void Take::prepare_beside(Take& reference) {
+  if (labels() != reference.labels()) {
+    throw Error(fmt::format("has other pictures than {}: no two of them can be compared", reference.shot_.scene),
+                shot_.scene);
+  }
+  reference.load_scene();
+  if (shot_.ground) ground_ = reference.scene_->ground;
+  load_scene();
+  reference.choose_light(default_environment(*reference.scene_));
+  choose_light(default_environment(*reference.scene_));
+  reference.choose_camera();
+  const auto emptiness = find_emptiness(*scene_);
+  if (emptiness && frames_subject(shot_, reference.camera_node_)) warn(emptiness->message);
+  Extent both = reference.extent_of_all(*reference.scene_);
+  both.add(extent_of_all(*scene_));
+  reference.choose_views(both);
+  reference.has_own_camera_ = false;
+  viewpoints_ = std::make_unique<Viewpoints>(*reference.viewpoints_);
+  reference.develop_ = develop_of(reference.shot_, *reference.scene_, reference.environment_);
+  develop_ = reference.develop_;
+  for (Take* take : {&reference, this}) {
+    choose_denoiser(take->shot_, [take](std::string message) { take->warn(std::move(message)); });
+    take->is_prepared_ = true;
+  }
 }
 
 std::map<std::string, std::string> Take::metadata(std::size_t index, double samples_per_pixel, bool is_denoised) const {
@@ -360,9 +371,11 @@ Film Take::trace_moving(std::size_t index, const Job& job, path::Statistics& sta
   const JobParts parts(job, static_cast<std::size_t>(count));
   tracer_.reset();
   for (int i = 0; i < count && !statistics.interrupted; ++i) {
-    Scene scene = scene_at(planned_[index], planned_[index].moment_s + shot_.shutter_s * (i + 0.5) / count);
-    const View view = view_at(scene, index);
-    const path::Tracer tracer(std::move(scene), environment_, shot_.shading);
+    const auto scene = std::make_shared<const Scene>(
+        scene_at(planned_[index], planned_[index].moment_s + shot_.shutter_s * (i + 0.5) / count));
+    if (i == 0) scene_shown_ = scene;
+    const View view = view_at(*scene, index);
+    const path::Tracer tracer(scene, far_light(), shot_.shading);
     path::Statistics one;
     const Film film = tracer.render(view, settings, parts.part(static_cast<std::size_t>(i)), &one);
     one.build_s = tracer.build_s();
@@ -374,6 +387,7 @@ Film Take::trace_moving(std::size_t index, const Job& job, path::Statistics& sta
     ++settings.seed;
   }
   statistics.mean_samples_per_pixel = samples_per_pixel;
+  statistics.build_s += std::exchange(light_s_, 0.0);
   // Of the mean; each moment had a target of its own.
   if (statistics.noise && moments > 0) statistics.noise->worst /= std::sqrt(static_cast<float>(moments));
   // Interrupted, it is the mean of the moments so far.
@@ -388,12 +402,53 @@ Film Take::trace_one(std::size_t index, const Job& job, path::Statistics& statis
   if (is_other) tracer_.reset();  // before there is another
   double build_s = 0.0;
   if (!tracer_) {
-    tracer_.emplace(new_tracer(scene_of(index)));
+    scene_shown_ = scene_of(index);
+    tracer_.emplace(new_tracer(scene_shown_));
     build_s = tracer_->build_s();
   }
   Film film = tracer_->render(view_at(tracer_->scene(), index), settings_of_trace(), job, &statistics);
-  statistics.build_s = build_s;
+  statistics.build_s = build_s + std::exchange(light_s_, 0.0);
   return film;
+}
+
+/// How long after a picture the next one is, or its own exposure ends; none where nothing moves from one to the next.
+std::optional<double> Take::step_of(std::size_t index) const {
+  if (!is_moving_) return std::nullopt;
+  if (shot_.sequence.value_or(1) > 1) return planned_[index].step_s;
+  return shot_.shutter_s > 0.0 ? std::optional(shot_.shutter_s) : std::nullopt;
+}
+
+/// Of a turntable that of the next turn, after the last the first; else the picture's own.
+std::size_t Take::next_viewpoint(std::size_t index) const {
+  const auto turns = static_cast<std::size_t>(shot_.turntable.value_or(1));
+  const std::size_t viewpoint = planned_[index].viewpoint, first = viewpoint / turns * turns;
+  return first + (viewpoint - first + 1) % turns;
+}
+
+Image Take::motion_of(const TakenPicture& picture) {
+  const SurfaceMap& map = *picture.film.surfaces;
+  const std::size_t index = picture.index;
+  if (const std::optional<double> step = step_of(index)) {
+    // A sequence's exposure begins with its moment; the map is of the middle of the first part of it.
+    const Scene next = scene_at(planned_[index], planned_[index].moment_s + *step);
+    return motion_layer(*picture.scene, picture.view, map, next, view_at(next, index));
+  }
+  const View& next = viewpoints_->all[next_viewpoint(index)].view;
+  const bool is_still = next_viewpoint(index) == planned_[index].viewpoint;
+  return motion_layer(*picture.scene, picture.view, map, *picture.scene, is_still ? picture.view : next);
+}
+
+/// What the engine does not know.
+void Take::complete(TakenPicture& picture) {
+  picture.scene = scene_shown_;
+  picture.view = view_at(*scene_shown_, picture.index);
+  if (picture.film.surfaces) {
+    picture.film.layers[Layer::motion] = motion_of(picture);
+    picture.film.surfaces.reset();
+  }
+  const bool has_numbers =
+      std::any_of(shot_.layers.begin(), shot_.layers.end(), [](Layer layer) { return layer_info(layer).is_number; });
+  if (has_numbers) picture.film.metadata["objects"] = objects_json(*scene_shown_);
 }
 
 TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job& job) {
@@ -424,6 +479,7 @@ TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job&
     }
     result.denoise_s += picture.denoise_s;
     picture.film.metadata.merge(metadata(index, picture.traced.mean_samples_per_pixel, picture.is_denoised));
+    complete(picture);
     add_work(picture.traced, result.traced);
     result.traced.mean_samples_per_pixel = picture.traced.mean_samples_per_pixel;
     hand_over(std::move(picture), result, take);
@@ -443,33 +499,29 @@ Film Take::draw_one(std::size_t index, raster::Drawer& drawer, const Job& job, r
       const double share = (frame + 0.5) / settings.frames;
       const auto scene =
           std::make_shared<const Scene>(scene_at(planned_[index], planned_[index].moment_s + shot_.shutter_s * share));
+      if (frame == 0) scene_shown_ = scene;
       return raster::Moment{scene, view_at(*scene, index)};
     };
     return drawer.render(moment, settings, job, &statistics);
   }
-  return drawer.render(view_at(*scene_drawn_, index), settings, job, &statistics);
+  return drawer.render(view_at(*scene_shown_, index), settings, job, &statistics);
 }
 
-/// A scene made ready to be drawn, with its probes.
-std::unique_ptr<raster::Drawer> Take::drawer_of(const std::shared_ptr<const Scene>& scene, const Job& job) {
-  constexpr int kProbeSamples = 64;
-  auto drawer = std::make_unique<raster::Drawer>(scene, environment_, shot_.shading, stage_->device());
-  if (shot_.probes > 0) {
-    drawer->set_probes(bake_probes(path::Tracer(scene, environment_), shot_.probes, kProbeSamples, job));
-  }
-  return drawer;
-}
+constexpr int kProbeSamples = 64;
 
-/// The scene of picture `index`: of another moment the drawer is given it, of another variant there is another drawer.
+/// The scene of picture `index`. Of another moment or variant the drawer is given it, which keeps what is the same; of
+/// another variant with its probes.
 void Take::make_drawable(std::size_t index, std::unique_ptr<raster::Drawer>& drawer, const Job& job) {
   const bool is_first = drawer == nullptr;
   if (!is_first && planned_[index].has_same_scene(planned_[index - 1])) return;
-  scene_drawn_ = scene_of(index);
-  if (is_first || planned_[index].variant != planned_[index - 1].variant) {
-    drawer.reset();  // before there is another
-    drawer = drawer_of(scene_drawn_, job);
+  scene_shown_ = scene_of(index);
+  if (is_first) {
+    drawer = std::make_unique<raster::Drawer>(scene_shown_, environment_, shot_.shading, stage_->device());
   } else {
-    drawer->set_scene(scene_drawn_);
+    drawer->set_scene(scene_shown_);
+  }
+  if (shot_.probes > 0 && (is_first || planned_[index].variant != planned_[index - 1].variant)) {
+    drawer->set_probes(bake_probes(path::Tracer(scene_shown_, far_light()), shot_.probes, kProbeSamples, job));
   }
 }
 
@@ -484,6 +536,7 @@ TakeResult Take::draw(const std::function<void(TakenPicture)>& take, const Job& 
     make_drawable(index, drawer, part);
     picture.film = draw_one(index, *drawer, part, picture.drawn);
     picture.film.metadata.merge(metadata(index, picture.drawn.frames, false));
+    complete(picture);
     add_work(picture.drawn, result.drawn);
     hand_over(std::move(picture), result, take);
     result.interrupted |= result.done < result.asked && job.is_stopped();

@@ -46,6 +46,8 @@ struct Shot {
   // ----- the picture
   ivec2 size{1280, 720};
   std::set<Layer> layers = {};
+  std::set<MatteKind> mattes = {};
+  bool has_masks = false;  ///< Film::masks
   Background background = Background::environment;
   std::optional<GroundChoice> ground = {};
   bool environment_in_glass = false;  ///< with another background: glass still shows the environment behind it
@@ -187,6 +189,8 @@ class Stage {
   const Environment& environment(const std::string& name, Diagnostics* diagnostics = nullptr);
   /// Opened by the first call. Throws Error without OpenGL.
   std::shared_ptr<raster::Device> device();
+  /// The light of that key, prepared for tracing; the last one is kept.
+  const path::FarLight& far_light(const std::string& key, const Environment& environment);
   /// Of the takes on this stage, none unless it is given a capacity.
   SceneKeep& scenes() { return scenes_; }
 
@@ -197,6 +201,8 @@ class Stage {
   };
   std::map<std::string, Loaded> environments_;
   std::shared_ptr<raster::Device> device_;
+  std::string far_light_key_;
+  std::optional<path::FarLight> far_light_;
   SceneKeep scenes_;
 };
 
@@ -204,9 +210,11 @@ class Stage {
 struct TakenPicture {
   std::size_t index = 0;
   PictureLabel label = {};
-  Film film = {};                ///< with metadata: scene, camera, environment, samples, …
-  DevelopSettings develop = {};  ///< pictures of one take have one exposure, that of the first
-  path::Statistics traced = {};  ///< of the engine that made it
+  View view = {};
+  std::shared_ptr<const Scene> scene = {};  ///< as it stands in the picture, or when its exposure begins
+  Film film = {};                           ///< with metadata: scene, camera, environment, samples, …
+  DevelopSettings develop = {};             ///< pictures of one take have one exposure, that of the first
+  path::Statistics traced = {};             ///< of the engine that made it
   raster::Statistics drawn = {};
   double denoise_s = 0.0;
   bool is_denoised = false;  ///< not where a stop came first
@@ -244,6 +252,11 @@ class Take {
   /// Loads scene and light and chooses views and moments; otherwise render() does it. Throws Error for what the scene
   /// lacks.
   void prepare();
+  /// The same for pictures that shall be compared with those of `reference`, which it prepares too: from the same
+  /// places, which frame the subjects of both, a camera of the reference's scene as it stands at the first moment;
+  /// under the environment that the reference has, but for image-based light of the scene's own; on one ground, in one
+  /// exposure. Throws Error where the two do not make the same pictures.
+  void prepare_beside(Take& reference);
   /// How its pictures are developed, as far as known; after prepare().
   const DevelopSettings& develop() const { return develop_; }
   /// From where every picture is taken, in their order, at the shot's first moment; after prepare().
@@ -276,20 +289,27 @@ class Take {
   void plan();
   void plan_moments(const std::optional<std::string>& variant, const std::string& animation, PictureLabel label);
   Extent extent_of_all(const Scene& first);
+  void load_scene();
+  void choose_light(const std::string& wished);
   void choose_camera();
+  void choose_views(const Extent& extent);
   Scene scene_at(const Planned& planned, double moment_s);
   std::shared_ptr<const Scene> scene_of(std::size_t index);
   std::shared_ptr<const Scene> first_scene();
+  const path::FarLight& far_light();
   path::Tracer new_tracer(std::shared_ptr<const Scene> scene);
   View view_at(const Scene& scene, std::size_t index) const;
   std::map<std::string, std::string> metadata(std::size_t index, double samples_per_pixel, bool is_denoised) const;
   void hand_over(TakenPicture picture, TakeResult& result, const std::function<void(TakenPicture)>& take);
   path::Settings settings_of_trace() const;
   TakeResult trace(const std::function<void(TakenPicture)>& take, const Job& job);
+  std::optional<double> step_of(std::size_t index) const;
+  std::size_t next_viewpoint(std::size_t index) const;
+  Image motion_of(const TakenPicture& picture);
+  void complete(TakenPicture& picture);
   Film trace_one(std::size_t index, const Job& job, path::Statistics& statistics);
   Film trace_moving(std::size_t index, const Job& job, path::Statistics& statistics);
   TakeResult draw(const std::function<void(TakenPicture)>& take, const Job& job);
-  std::unique_ptr<raster::Drawer> drawer_of(const std::shared_ptr<const Scene>& scene, const Job& job);
   void make_drawable(std::size_t index, std::unique_ptr<raster::Drawer>& drawer, const Job& job);
   Film draw_one(std::size_t index, raster::Drawer& drawer, const Job& job, raster::Statistics& statistics);
   void warn(std::string message) const;
@@ -306,10 +326,13 @@ class Take {
   std::optional<Ground> ground_;            ///< once a scene is there to stand on it
   std::shared_ptr<const Scene> scene_;      ///< of the first picture
   Environment environment_;
+  bool has_own_light_ = false;               ///< that is of the scene's file
+  std::optional<path::FarLight> far_light_;  ///< once something is traced
+  double light_s_ = 0.0;                     ///< what it took to prepare that, until a picture counts it
   std::unique_ptr<Viewpoints> viewpoints_;
   DevelopSettings develop_;
   std::optional<path::Tracer> tracer_;        ///< of the scene that was traced last
-  std::shared_ptr<const Scene> scene_drawn_;  ///< last
+  std::shared_ptr<const Scene> scene_shown_;  ///< of the picture at hand
 };
 
 }  // namespace candela

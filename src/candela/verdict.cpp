@@ -169,7 +169,7 @@ std::size_t leave_out(const std::function<bool(const NamedFinding&)>& is_left_ou
   return std::erase_if(verdict.findings, is_left_out);
 }
 
-std::vector<std::string> scenes_below(const fs::path& folder) {
+std::vector<std::string> find_scenes_below(const fs::path& folder) {
   std::vector<std::string> result;
   std::error_code code;
   fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, code);
@@ -179,8 +179,13 @@ std::vector<std::string> scenes_below(const fs::path& folder) {
     if (is_scene_file(path) && at->is_regular_file(ignored)) result.push_back(path.string());
   }
   if (code) throw Error("cannot list the folder: " + code.message(), folder.string());
-  if (result.empty()) throw Error("there is no scene in this folder", folder.string());
   std::sort(result.begin(), result.end());
+  return result;
+}
+
+std::vector<std::string> scenes_below(const fs::path& folder) {
+  std::vector<std::string> result = find_scenes_below(folder);
+  if (result.empty()) throw Error("there is no scene in this folder", folder.string());
   return result;
 }
 

@@ -61,5 +61,7 @@ JudgedScene judge_scene(const std::string& name, const LoadOptions& options = {}
 
 /// The scenes below a folder, sorted by name. Throws Error if there is none.
 std::vector<std::string> scenes_below(const std::filesystem::path& folder);
+/// The same, none where there is none.
+std::vector<std::string> find_scenes_below(const std::filesystem::path& folder);
 
 }  // namespace candela

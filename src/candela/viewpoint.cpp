@@ -66,7 +66,7 @@ std::vector<Viewpoint> from_sphere(const Shot& shot, const Seen& seen) {
   const double ky = fill * std::tan(0.5 * static_cast<double>(shot.yfov.value_or(PerspectiveCamera{}.yfov)));
   const double kx = ky * static_cast<double>(aspect_of(shot));
   const std::vector<vec3> directions = directions_on_sphere(*shot.camera_sphere);
-  double distance = 1e-5 + 1e-5 * glm::length(center), half = distance;
+  double distance = least_size(center), half = distance;
   for (const vec3 direction : directions) {
     const glm::dmat3 axes(look_at(direction, vec3(0.0f), 1.0f).world_from_camera);
     const auto reach = [&](dvec3 d) { return extent.reach(d) - glm::dot(center, d); };

@@ -53,6 +53,39 @@ struct Shape {
   bool is_closed() const { return boundary + inconsistent + non_manifold == 0; }
 };
 
+Box3 world_box(const Node& node, const Primitive& primitive) {
+  Box3 box;
+  for (const vec3& p : primitive.positions) box.extend(transform_point(node.world_from_node, p));
+  return box;
+}
+
+/// Whether what wears the material in a mesh lies, wherever the mesh stands, within another body: the wall of a hollow
+/// in that, which may be a node, a primitive or a material of its own.
+bool is_wall_of_hollow(const Scene& scene, const Mesh& mesh, int material) {
+  struct Placed {
+    Box3 box;
+    bool is_wall = false;
+  };
+  std::vector<Placed> all;
+  for (const Node& node : scene.nodes) {
+    if (node.mesh < 0) continue;
+    const Mesh& of_node = scene.meshes[static_cast<std::size_t>(node.mesh)];
+    for (const Primitive& p : of_node.primitives) {
+      if (!is_body(scene.materials[static_cast<std::size_t>(p.material)])) continue;
+      all.push_back({world_box(node, p), &of_node == &mesh && p.material == material});
+    }
+  }
+  const auto is_around = [](const Box3& outer, const Box3& inner) {
+    return glm::all(glm::lessThanEqual(outer.lower, inner.lower)) &&
+           glm::all(glm::greaterThanEqual(outer.upper, inner.upper));
+  };
+  return std::all_of(all.begin(), all.end(), [&](const Placed& wall) {
+    return !wall.is_wall || std::any_of(all.begin(), all.end(), [&](const Placed& body) {
+      return !body.is_wall && is_around(body.box, wall.box);
+    });
+  });
+}
+
 Shape inspect_material(const Scene& scene, int material) {
   Shape total;
   for (const Mesh& mesh : scene.meshes) {
@@ -64,7 +97,7 @@ Shape inspect_material(const Scene& scene, int material) {
     total.boundary += report.boundary;
     total.inconsistent += report.inconsistent;
     total.non_manifold += report.non_manifold;
-    total.inside_out += report.inside_out();
+    if (report.inside_out() > 0 && !is_wall_of_hollow(scene, mesh, material)) total.inside_out += report.inside_out();
   }
   return total;
 }

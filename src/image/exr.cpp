@@ -8,6 +8,7 @@
 #include <ImfThreading.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
+#include "image/cryptomatte.h"
 #include "image/exr_stream.h"
 #include "image/film.h"
 
@@ -56,10 +58,49 @@ bool is_colored(const Image& through) {
   return false;
 }
 
-void add_layer(Imf::Header& header, Imf::FrameBuffer& frame, Layer layer, const Image& image) {
+/// What a header and a frame buffer refer to while a file is written.
+struct Buffers {
+  std::vector<std::vector<unsigned>> numbers;
+  std::vector<codec::Cryptomatte> mattes;
+};
+
+/// A layer of integers, each of which its float holds exactly.
+void add_numbers(Imf::Header& header, Imf::FrameBuffer& frame, const std::string& name, const Image& image,
+                 Buffers& buffers) {
+  const std::vector<unsigned>& numbers = buffers.numbers.emplace_back(image.pixels.begin(), image.pixels.end());
+  header.channels().insert(name, Imf::Channel(Imf::UINT));
+  frame.insert(name, Imf::Slice::Make(Imf::UINT, numbers.data(), V2i(0, 0), image.width, image.height, sizeof(unsigned),
+                                      sizeof(unsigned) * static_cast<std::size_t>(image.width)));
+}
+
+void add_layer(Imf::Header& header, Imf::FrameBuffer& frame, Layer layer, const Image& image, Buffers& buffers) {
   const LayerInfo& info = layer_info(layer);
+  if (info.is_number)
+    return add_numbers(header, frame, std::string(info.name) + "." + info.channels[0], image, buffers);
   for (std::size_t c = 0; c < info.channels.size(); ++c) {
     add_channel(header, frame, std::string(info.name) + "." + info.channels[c], image, c);
+  }
+}
+
+void add_mattes(Imf::Header& header, Imf::FrameBuffer& frame, const Film& film, Buffers& buffers) {
+  buffers.mattes.reserve(film.mattes.size());
+  for (const MatteInfo& info : kMatteKinds) {
+    const auto found = film.mattes.find(info.kind);
+    if (found == film.mattes.end()) continue;
+    const std::string layer(info.layer);
+    const codec::Cryptomatte& made = buffers.mattes.emplace_back(codec::make_cryptomatte(layer, found->second));
+    const auto insert = [&](const char* key, const std::string& value) {
+      header.insert((made.prefix + key).c_str(), Imf::StringAttribute(value));
+    };
+    insert("name", layer);
+    insert("hash", "MurmurHash3_32");
+    insert("conversion", "uint32_to_float32");
+    insert("manifest", made.manifest);
+    for (std::size_t level = 0; level < made.levels.size(); ++level) {
+      constexpr std::array<const char*, 4> kSuffixes = {".R", ".G", ".B", ".A"};
+      const std::string name = layer + "0" + std::to_string(level);
+      for (std::size_t c = 0; c < 4; ++c) add_channel(header, frame, name + kSuffixes[c], made.levels[level], c);
+    }
   }
 }
 
@@ -82,13 +123,14 @@ void check_film(const Film& film, const std::string& where) {
 /// Layers are smooth: there ZIP halves the file, row by row at the lowest level nearly as well as by any other way. The
 /// table is in docs/performance.md.
 void set_compression(Imf::Header& header, const Film& film) {
-  header.compression() = film.layers.empty() ? Imf::RLE_COMPRESSION : Imf::ZIPS_COMPRESSION;
+  header.compression() = film.layers.empty() && film.mattes.empty() ? Imf::RLE_COMPRESSION : Imf::ZIPS_COMPRESSION;
   header.zipCompressionLevel() = 1;
 }
 
 std::size_t film_bytes(const Film& film) {
   std::size_t floats = film.beauty.pixels.size() + film.through.pixels.size() + film.noisy.pixels.size();
   for (const auto& [layer, image] : film.layers) floats += image.pixels.size();
+  for (const auto& [kind, mattes] : film.mattes) floats += 2 * mattes.ranks.size();
   return floats * sizeof(float);
 }
 
@@ -109,7 +151,10 @@ void write_exr(const std::filesystem::path& path, const Film& film) {
     if (!is_opaque(beauty)) add_channel(header, frame, "A", beauty, 3);
     if (!film.noisy.empty()) add_rgb(header, frame, "noisy", film.noisy);
     if (is_colored(film.through)) add_rgb(header, frame, "through", film.through);
-    for (const auto& [layer, image] : film.layers) add_layer(header, frame, layer, image);
+    Buffers buffers;
+    buffers.numbers.reserve(film.layers.size());
+    for (const auto& [layer, image] : film.layers) add_layer(header, frame, layer, image, buffers);
+    add_mattes(header, frame, film, buffers);
     add_metadata(header, film.metadata, where);
 
     MemoryOutput stream(where);

@@ -39,6 +39,8 @@ std::optional<ChannelChoice> channels_of(const Imf::ChannelList& channels, const
       break;
     case Kind::data:
       if (has("X") && has("Y") && has("Z")) return choice("X", "Y", "Z");
+      if (has("X") && has("Y")) return ChannelChoice{kind, {prefix + "X", prefix + "Y", ""}, ""};
+      if (has("U") && has("V")) return ChannelChoice{kind, {prefix + "U", prefix + "V", ""}, ""};
       for (const char* name : {"Z", "V"})
         if (has(name)) return choice(name, name, name);
       break;

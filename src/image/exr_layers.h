@@ -14,14 +14,14 @@ enum class ChannelKind {
   color,        ///< R, G, B
   luma_chroma,  ///< Y, RY, BY
   grey,         ///< Y
-  data,         ///< X, Y, Z of a position, Z of a depth: no colours
+  data,         ///< X, Y, Z of a position, Z of a depth, X and Y or U and V of a vector in the picture: no colours
 };
 
 /// The file's channels that become r, g, b, a of an image; one name thrice where one channel is all.
 struct ChannelChoice {
   ChannelKind kind = ChannelKind::color;
-  std::array<std::string, 3> names;
-  std::string alpha;  ///< empty = none
+  std::array<std::string, 3> names;  ///< the third of a vector in the picture is empty, and reads as 0
+  std::string alpha;                 ///< empty = none
 
   bool is_single() const { return names[0] == names[1]; }
 };

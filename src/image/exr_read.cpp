@@ -121,7 +121,7 @@ Image read_pixels(Imf::InputPart& input, const ChannelChoice& choice, const Box2
   std::vector<std::size_t> sparse;
   for (std::size_t c = 0; c < full.size(); ++c) {
     const std::string& name = c == 3 ? choice.alpha : choice.names[c];
-    if (c > 0 && c < 3 && choice.is_single()) continue;
+    if ((c > 0 && c < 3 && choice.is_single()) || name.empty()) continue;
     if (is_subsampled(input.header().channels().findChannel(name)))
       sparse.push_back(c);
     else

@@ -8,7 +8,15 @@
 
 namespace candela {
 
-Layer parse_layer(std::string_view name) { return row_named(kLayers, name, "unknown layer").layer; }
+Layer parse_layer(std::string_view name) {
+  if (name == "node") return Layer::object_id;
+  if (name == "ray-depth") return Layer::distance;  // what "depth" was until 0.2
+  return row_named(kLayers, name, "unknown layer").layer;
+}
+
+bool has_centre_layer(const std::set<Layer>& layers) {
+  return std::any_of(layers.begin(), layers.end(), [](Layer layer) { return !layer_info(layer).has_mean; });
+}
 
 float alpha_before(vec3 through) {
   const vec3 kept = 1.0f - through;
@@ -23,6 +31,21 @@ void set_through(Image through, Film& film) {
     film.beauty.pixels[i + 3] = alpha_before({t[0], t[1], t[2]});
   }
 }
+
+namespace {
+
+void add_mattes(const Film& film, float share, Film& sum) {
+  for (const auto& [kind, mattes] : film.mattes) {
+    MatteSums sums(mattes.width, mattes.height);
+    Mattes& before = sum.mattes[kind];
+    if (!before.ranks.empty()) sums.add(before, 1.0f);
+    sums.add(mattes, share);
+    before = sums.mattes([](std::size_t) { return 1.0f; });
+    before.names = mattes.names;
+  }
+}
+
+}  // namespace
 
 void accumulate(const Film& film, float share, Film& sum) {
   const auto add_scaled = [](const Image& from, float scale, Image& to) {
@@ -51,7 +74,10 @@ void accumulate(const Film& film, float share, Film& sum) {
     }
     sum.through = Image(film.through.width, film.through.height, film.through.channels);
     sum.metadata = film.metadata;
+    sum.masks = film.masks;
+    sum.surfaces = film.surfaces;
   }
+  add_mattes(film, share, sum);
   add(film.beauty, sum.beauty);
   add(film.through, sum.through);
   for (const auto& [layer, image] : film.layers) {

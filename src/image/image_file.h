@@ -12,8 +12,6 @@
 
 namespace candela {
 
-struct DisplayImage;  // image/develop.h
-
 enum class ImageFormat { unknown, png, jpeg, webp, avif, hdr, exr };
 
 /// From the first bytes, never from a name; so many are enough.
@@ -52,8 +50,10 @@ TextureImage decode_texture(std::span<const std::byte> bytes, const std::string&
 
 /// A PNG of 8 bits per channel, which says nothing of how they are encoded.
 std::vector<std::byte> encode_png(const TextureImage& image);
-/// What write_png writes.
-std::vector<std::byte> encode_png(const DisplayImage& image);
+
+/// Numbers, as a grey PNG of 8 or 16 bits: depths, masks. `values` by rows from the top, those above what the bits hold
+/// as the largest.
+std::vector<std::byte> encode_grey_png(ivec2 size, int bits, std::span<const std::uint32_t> values);
 
 /// How a picture of light from everywhere covers the directions, where the file itself says so (OpenEXR's `envmap`).
 enum class Projection { unsaid, latlong, cube };

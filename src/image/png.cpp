@@ -11,6 +11,7 @@
 #include "base/large_pages.h"
 #include "image/codec.h"
 #include "image/develop.h"
+#include "image/png_bytes.h"
 
 namespace candela {
 
@@ -181,6 +182,34 @@ void write_all(PngWriter& writer) {
   png_write_end(writer.png, nullptr);
 }
 
+/// Numbers of one channel.
+struct GreyWriter : PngWriter {
+  ivec2 size{0};
+  int bits = 8;
+  std::span<const std::uint32_t> values;
+  std::vector<std::uint8_t> bytes;  ///< of a row
+};
+
+void write_grey(GreyWriter& writer) {
+  const auto width = static_cast<std::size_t>(writer.size.x);
+  png_set_write_fn(writer.png, static_cast<PngWriter*>(&writer), on_write, on_flush);
+  png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(writer.size.x),
+               static_cast<png_uint_32>(writer.size.y), writer.bits, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(writer.png, writer.info);
+  const std::uint32_t most = (1u << writer.bits) - 1;
+  for (std::size_t y = 0; y < static_cast<std::size_t>(writer.size.y); ++y) {
+    std::uint8_t* out = writer.bytes.data();
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::uint32_t value = std::min(writer.values[y * width + x], most);
+      if (writer.bits == 16) *out++ = static_cast<std::uint8_t>(value >> 8);
+      *out++ = static_cast<std::uint8_t>(value);
+    }
+    png_write_row(writer.png, writer.bytes.data());
+  }
+  png_write_end(writer.png, nullptr);
+}
+
 bool is_opaque(const DisplayImage& image) {
   for (std::size_t i = 3; i < image.rgba.size(); i += 4)
     if (image.rgba[i] != 255) return false;
@@ -255,6 +284,19 @@ std::vector<std::byte> encode_png(const DisplayImage& image) { return encode(ima
 
 std::vector<std::byte> encode_png(const TextureImage& image) {
   return encode({image.width, image.height, image.pixels}, false, "a texture");
+}
+
+std::vector<std::byte> encode_grey_png(ivec2 size, int bits, std::span<const std::uint32_t> values) {
+  std::vector<std::byte> bytes;
+  GreyWriter writer;
+  if (!writer.png || !writer.info) throw Error("out of memory", "a picture of numbers");
+  writer.out = &bytes;
+  writer.size = size;
+  writer.bits = bits;
+  writer.values = values;
+  writer.bytes.resize(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(bits / 8));
+  if (!guarded(writer, write_grey)) throw Error(std::string("cannot encode PNG: ") + writer.message);
+  return bytes;
 }
 
 }  // namespace candela

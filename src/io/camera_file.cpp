@@ -187,30 +187,28 @@ std::string read_text(const fs::path& path) {
 
 }  // namespace
 
-std::vector<PosedCamera> read_cameras(const fs::path& path, ivec2 size) {
-  std::vector<PosedCamera> cameras;
-  const std::string file = path.string();
-  if (lower_extension(path) == ".json") {
-    json document;
-    const std::string text = read_text(path);
-    if (text.find_first_not_of(" \t\r\n") == std::string::npos) throw Error("is empty: there is no camera", file);
-    try {
-      document = json::parse(text);
-    } catch (const json::exception& error) {
-      throw Error(std::string("is no JSON: ") + error.what(), file);
-    }
-    const JsonView root(document, file);
-    if (document.is_array()) {
-      cameras = read_list(root, size);
-    } else if (document.is_object() && document.contains("frames")) {
-      cameras = read_transforms(root, size);
-    } else {
-      throw Error("is neither a transforms.json with frames nor an array of cameras", file);
-    }
-  } else {
-    cameras = read_scene_cameras(path, size);
+std::vector<PosedCamera> parse_cameras(std::string_view text, const std::string& where, ivec2 size) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error("is empty: there is no camera", where);
+  json document;
+  try {
+    document = json::parse(text);
+  } catch (const json::exception& error) {
+    throw Error(std::string("is no JSON: ") + error.what(), where);
   }
-  if (cameras.empty()) throw Error("has no camera", file);
+  const JsonView root(document, where);
+  const bool has_frames = document.is_object() && document.contains("frames");
+  if (!document.is_array() && !has_frames) {
+    throw Error("is neither a transforms.json with frames nor an array of cameras", where);
+  }
+  std::vector<PosedCamera> cameras = has_frames ? read_transforms(root, size) : read_list(root, size);
+  if (cameras.empty()) throw Error("has no camera", where);
+  return cameras;
+}
+
+std::vector<PosedCamera> read_cameras(const fs::path& path, ivec2 size) {
+  if (lower_extension(path) == ".json") return parse_cameras(read_text(path), path.string(), size);
+  std::vector<PosedCamera> cameras = read_scene_cameras(path, size);
+  if (cameras.empty()) throw Error("has no camera", path.string());
   return cameras;
 }
 
@@ -259,13 +257,15 @@ json transforms_json(const std::vector<PosedCamera>& cameras, ivec2 size) {
     const RigidCamera rigid = matrix_of_view(camera.view, size);
     const glm::dmat3& k = rigid.matrix.k;
     if (std::abs(k[1][0]) > 1e-4 * k[0][0]) throw Error("a transforms.json has no cameras with skew axes");
-    root["frames"].push_back({{"file_path", camera.picture.empty() ? camera.name : camera.picture},
-                              {"transform_matrix", matrix_json(rounded_matrix(rigid.world_from_camera))},
-                              {"fl_x", rounded(k[0][0], kPixelDigits)},
-                              {"fl_y", rounded(k[1][1], kPixelDigits)},
-                              {"cx", rounded(k[2][0], kPixelDigits)},
-                              {"cy", rounded(k[2][1], kPixelDigits)},
-                              {"camera_angle_x", rounded(2.0 * std::atan(0.5 * size.x / k[0][0]))}});
+    json& frame = root["frames"].emplace_back();
+    frame = {{"file_path", camera.picture.empty() ? camera.name : camera.picture},
+             {"transform_matrix", matrix_json(rounded_matrix(rigid.world_from_camera))},
+             {"fl_x", rounded(k[0][0], kPixelDigits)},
+             {"fl_y", rounded(k[1][1], kPixelDigits)},
+             {"cx", rounded(k[2][0], kPixelDigits)},
+             {"cy", rounded(k[2][1], kPixelDigits)},
+             {"camera_angle_x", rounded(2.0 * std::atan(0.5 * size.x / k[0][0]))}};
+    if (!camera.depth.empty()) frame["depth_file_path"] = camera.depth;
   }
   // Many readers look for the angle in one place only.
   if (!cameras.empty()) root["camera_angle_x"] = root["frames"][0]["camera_angle_x"];

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scene/posed_camera.h"
@@ -22,6 +23,9 @@ namespace candela::io {
 /// The cameras of a file, recognised by its content, for pictures of `size` where it names none. Throws Error for a
 /// file that is damaged, that has no camera, or one that cannot be: a singular matrix, a distorting lens.
 std::vector<PosedCamera> read_cameras(const std::filesystem::path& path, ivec2 size);
+
+/// The same of the text of a .json, for tests and fuzzing; `where` is its name in errors.
+std::vector<PosedCamera> parse_cameras(std::string_view text, const std::string& where, ivec2 size);
 
 /// Writes cameras of one size: .gltf as glTF, a .json whose name begins with "transforms" as NeRFs have it, any other
 /// .json as an array. PosedCamera::picture becomes the `file_path` of a transforms.json, relative to its folder. Throws

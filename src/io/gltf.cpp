@@ -68,9 +68,9 @@ std::vector<std::size_t> GltfFile::find_animations(const std::string& name) cons
 Scene GltfFile::scene(Diagnostics& diagnostics, const std::optional<Pose>& pose,
                       const std::optional<std::string>& variant) {
   Parts& p = *parts_;
-  if (variant && *variant != p.options.variant) {
+  if (variant) {
     p.options.variant = *variant;
-    p.kept.meshes.clear();  // they name materials of another
+    p.kept.has_variants = true;
   }
   Loader loader(p.document, p.uris, p.buffers, p.options, p.bytes.size(), diagnostics);
   Scene scene = loader.load(p.info, pose, &p.kept);

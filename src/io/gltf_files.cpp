@@ -20,12 +20,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Long lists of numbers, of which none names a file.
-bool names_no_file(std::string_view key) {
-  constexpr std::array kLists = {"accessors", "animations", "bufferViews", "meshes", "scenes", "skins"};
-  return std::find(kLists.begin(), kLists.end(), key) != kLists.end();
-}
-
 /// A value whose members are looked at.
 struct Level {
   explicit Level(const Json& v) : value(&v), next(v.begin()) {}
@@ -49,7 +43,7 @@ std::string pointer_of(const std::vector<Level>& open) {
 
 /// Calls `visit(pointer, uri)` for all of them.
 void visit_uris(const Json& root, const std::function<void(std::string, const std::string&)>& visit) {
-  // No recursion, and no names of what holds no file: how deep a document nests is its author's choice.
+  // No recursion: how deep a document nests is its author's choice.
   std::vector<Level> open = {Level(root)};
   while (!open.empty()) {
     Level& level = open.back();
@@ -60,11 +54,12 @@ void visit_uris(const Json& root, const std::function<void(std::string, const st
     const Json& member = *level.next;
     const std::string* const key = level.value->is_object() ? &level.next.key() : nullptr;
     const bool is_name = key != nullptr && (*key == "uri" || *key == "ies") && member.is_string();
-    const bool is_skipped = open.size() == 1 && key != nullptr && names_no_file(*key);
     if (is_name) visit(pointer_of(open), member.get_ref<const std::string&>());
     ++level.next;
     ++level.count;
-    if (member.is_structured() && !is_skipped) open.emplace_back(member);  // `level` dangles from here on
+    // Nothing in a list of numbers names a file.
+    const bool is_numbers = member.is_array() && !member.empty() && member.front().is_number();
+    if (member.is_structured() && !is_numbers) open.emplace_back(member);  // `level` dangles from here on
   }
 }
 
@@ -80,8 +75,10 @@ std::vector<ReferencedFile> referenced_files(const Json& root, const UriReader& 
 
 std::vector<ReferencedFile> files_of_source(const fs::path& path, const SceneSource& source) {
   std::vector<ReferencedFile> files = {{path, ""}};
-  for (const std::string& name : source.read) {
-    if (fs::path file = source.files.path(name); !file.empty()) files.push_back({std::move(file), ": " + name});
+  for (const auto* names : {&source.read, &source.mentioned}) {
+    for (const std::string& name : *names) {
+      if (fs::path file = source.files.path(name); !file.empty()) files.push_back({std::move(file), ": " + name});
+    }
   }
   return files;
 }

@@ -17,7 +17,7 @@ struct SceneSource;
 /// and profiles, decoded or not, there or not, of known extensions and of others.
 std::vector<ReferencedFile> referenced_files(const nlohmann::json& root, const UriReader& uris);
 
-/// The scene file itself, and what was read to make a glTF of it.
+/// The scene file itself, what was read to make a glTF of it, and what it names besides.
 std::vector<ReferencedFile> files_of_source(const std::filesystem::path& path, const SceneSource& source);
 
 /// Throws Error for the first of these names that leads where the scene must not read, whether it would be read or not:

@@ -106,22 +106,35 @@ void Loader::collect_materials(const MovedDocument& moved, Kept* kept) {
   for (const ImageSource& image : materials_.images) scene_.image_file_indices.push_back(image.file_index);
 }
 
-/// A mesh as it was read for an earlier scene, where it can serve again.
-Mesh Loader::find_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins,
-                       Kept* kept) {
-  const auto& [mesh, weights, skin] = key;
-  // What an animation morphs would be kept for every moment of it.
-  if (kept == nullptr || !is_animated_ || skin || !weights.empty()) return read_mesh(reader, key, skins);
-  std::vector<VertexNeeds> needs = reader.needs(root_.at("meshes")[mesh]);
+/// A mesh as it was read for an earlier scene, in the materials of this one.
+std::optional<Mesh> Loader::find_mesh(const MeshReader& reader, const MeshKey& key, Kept* kept) const {
+  if (kept == nullptr) return std::nullopt;
   const auto found = kept->meshes.find(key);
-  if (found != kept->meshes.end() && found->second.needs == needs) return found->second.mesh;
-  Mesh result = read_mesh(reader, key, skins);
-  result.identity = std::make_shared<const char>();
-  kept->meshes.insert_or_assign(key, KeptMesh{result, std::move(needs)});
-  return result;
+  if (found == kept->meshes.end()) return std::nullopt;
+  auto& [mesh, needs, sources] = found->second;
+  const JsonView json = root_.at("meshes")[std::get<0>(key)];
+  if (needs != reader.needs(json)) return std::nullopt;
+  const std::vector<int> worn = reader.materials(json);
+  bool is_same = true;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    is_same = is_same && mesh.primitives[i].material == worn[sources[i]];
+    mesh.primitives[i].material = worn[sources[i]];
+  }
+  if (!is_same) mesh.identity = std::make_shared<const char>();
+  return mesh;
 }
 
-Mesh Loader::read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins) {
+/// For later scenes. What an animation morphs would be kept for every moment of it.
+void Loader::keep_mesh(const MeshReader& reader, const MeshKey& key, std::vector<std::size_t> sources, Mesh& mesh,
+                       Kept* kept) const {
+  const auto& [number, weights, skin] = key;
+  if (kept == nullptr || !(is_animated_ || kept->has_variants) || skin || !weights.empty()) return;
+  mesh.identity = std::make_shared<const char>();
+  kept->meshes.insert_or_assign(key, KeptMesh{mesh, reader.needs(root_.at("meshes")[number]), std::move(sources)});
+}
+
+Loader::ReadMesh Loader::read_mesh(MeshReader& reader, const MeshKey& key,
+                                   std::map<std::size_t, std::vector<mat4>>& skins) {
   const auto& [mesh, weights, skin] = key;
   MeshPose pose{weights, {}};
   if (skin) {
@@ -129,7 +142,9 @@ Mesh Loader::read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::siz
     if (is_new) found->second = read_skin(root_.at("skins")[*skin], file_.nodes, reader_);
     pose.joints = found->second;
   }
-  return reader.read(root_.at("meshes")[mesh], static_cast<int>(mesh), pose);
+  ReadMesh read;
+  read.mesh = reader.read(root_.at("meshes")[mesh], static_cast<int>(mesh), pose, &read.sources);
+  return read;
 }
 
 /// What cannot be read is replaced by what changes nothing: one white texel, which no material asks for any more.
@@ -160,11 +175,13 @@ bool Loader::prepare_meshes() {
   return true;
 }
 
-/// By index, on all cores, all but those with a skin or an outline; none where one of them cannot be read.
-std::vector<std::optional<Loader::ReadMesh>> Loader::read_meshes_at_once(const MeshReader& reader) {
+/// By index, on all cores, all but those that are known or have a skin or an outline; none where one of them cannot be
+/// read.
+std::vector<std::optional<Loader::ReadMesh>> Loader::read_meshes_at_once(
+    const MeshReader& reader, const std::vector<std::optional<Mesh>>& known) {
   std::vector<const MeshKey*> keys(mesh_of_key_.size(), nullptr);
   for (const auto& [key, index] : mesh_of_key_) {
-    if (!outlines_.contains(index) && !std::get<2>(key)) keys[index] = &key;
+    if (!known[index] && !outlines_.contains(index) && !std::get<2>(key)) keys[index] = &key;
   }
   std::vector<std::optional<ReadMesh>> meshes(keys.size());
   std::atomic<bool> has_failed = false;
@@ -178,7 +195,7 @@ std::vector<std::optional<Loader::ReadMesh>> Loader::read_meshes_at_once(const M
       AccessorReader accessors(reader_, warnings);
       MeshReader own(reader, accessors, warnings);
       try {
-        read.mesh = own.read(root_.at("meshes")[mesh], static_cast<int>(mesh), MeshPose{weights, {}});
+        read.mesh = own.read(root_.at("meshes")[mesh], static_cast<int>(mesh), MeshPose{weights, {}}, &read.sources);
         read.ignored = own.ignored();
         meshes[i] = std::move(read);
       } catch (const Error&) {
@@ -196,20 +213,26 @@ void Loader::read_meshes(Kept* kept) {
                     variant_);
   if (!options_.unpack_geometry) outline_meshes(reader);
   buffers_.decode_draco(draco_views());
+  std::vector<std::optional<Mesh>> known(mesh_of_key_.size());
+  for (const auto& [key, index] : mesh_of_key_) known[index] = find_mesh(reader, key, kept);
   std::vector<std::optional<ReadMesh>> at_once(mesh_of_key_.size());
-  if (prepare_meshes()) at_once = read_meshes_at_once(reader);
+  if (prepare_meshes()) at_once = read_meshes_at_once(reader, known);
   std::map<std::size_t, std::vector<mat4>> skins;
   for (const auto& [key, index] : mesh_of_key_) {
     const auto outline = outlines_.find(index);
     if (outline != outlines_.end()) {
       scene_.meshes.push_back(std::move(outline->second));
-    } else if (auto& read = at_once[index]) {
-      warnings_.add(read->diagnostics);
-      reader.add_ignored(read->ignored);
-      scene_.meshes.push_back(std::move(read->mesh));
-    } else {
-      scene_.meshes.push_back(find_mesh(reader, key, skins, kept));
+      continue;
     }
+    if (known[index]) {
+      scene_.meshes.push_back(*std::move(known[index]));
+      continue;
+    }
+    ReadMesh read = at_once[index] ? *std::move(at_once[index]) : read_mesh(reader, key, skins);
+    warnings_.add(read.diagnostics);
+    reader.add_ignored(read.ignored);
+    keep_mesh(reader, key, std::move(read.sources), read.mesh, kept);
+    scene_.meshes.push_back(std::move(read.mesh));
   }
   reader.report_ignored(root_);
 }

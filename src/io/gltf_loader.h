@@ -26,6 +26,7 @@ using MeshKey = std::tuple<std::size_t, std::vector<float>, std::optional<std::s
 struct KeptMesh {
   Mesh mesh;
   std::vector<VertexNeeds> needs;
+  std::vector<std::size_t> sources;  ///< which of the file's primitives each of the mesh is
 };
 
 /// What one scene of a file leaves to the next.
@@ -35,6 +36,7 @@ struct Kept {
   std::map<MeshKey, KeptMesh> meshes;                         ///< without a skin: the same wherever the nodes are
   std::vector<std::optional<Material>> materials;             ///< by the file's index, as they stand at rest
   KeptPanoramas panoramas;
+  bool has_variants = false;  ///< that are asked for: meshes stay for the next to wear
 };
 
 /// Makes one scene of an open file, at rest or at a moment of its animations. What it collects and reads is in
@@ -55,9 +57,10 @@ class Loader {
   Scene load(const FileInfo& info, const std::optional<Pose>& pose, Kept* kept);
 
  private:
-  /// A mesh that another thread has read, and what it had to say.
+  /// A mesh, and what another thread that has read it had to say.
   struct ReadMesh {
     Mesh mesh = {};
+    std::vector<std::size_t> sources = {};  ///< KeptMesh::sources
     Diagnostics diagnostics = {};
     std::size_t ignored = 0;
   };
@@ -69,12 +72,15 @@ class Loader {
   void read_meshes_and_images(Kept* kept);
   void read_meshes(Kept* kept);
   bool prepare_meshes();
-  std::vector<std::optional<ReadMesh>> read_meshes_at_once(const MeshReader& reader);
+  std::vector<std::optional<ReadMesh>> read_meshes_at_once(const MeshReader& reader,
+                                                           const std::vector<std::optional<Mesh>>& known);
   void take_images(Kept& kept);
   void plan_images();
   void lose_image(std::size_t image, const Error& cause);
-  Mesh find_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins, Kept* kept);
-  Mesh read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins);
+  std::optional<Mesh> find_mesh(const MeshReader& reader, const MeshKey& key, Kept* kept) const;
+  void keep_mesh(const MeshReader& reader, const MeshKey& key, std::vector<std::size_t> sources, Mesh& mesh,
+                 Kept* kept) const;
+  ReadMesh read_mesh(MeshReader& reader, const MeshKey& key, std::map<std::size_t, std::vector<mat4>>& skins);
   void place_nodes();
   void read_cameras_and_lights();
   void place_mesh(std::size_t file_index, int mesh, const Box3& box, int scene_node, Node& node,

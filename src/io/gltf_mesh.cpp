@@ -107,13 +107,16 @@ std::uint64_t mode_of_primitive(const JsonView& primitive) {
   return mode == 5 && primitive.extension("KHR_draco_mesh_compression") ? 4 : mode;
 }
 
-Mesh MeshReader::read(const JsonView& json, int file_index, const MeshPose& pose) {
+Mesh MeshReader::read(const JsonView& json, int file_index, const MeshPose& pose, std::vector<std::size_t>* sources) {
   Mesh mesh;
   mesh.name = json.string_or("name");
   mesh.file_index = file_index;
   const JsonView primitives = json.at("primitives");
   for (std::size_t i = 0; i < primitives.size(); ++i) {
-    if (auto primitive = read_primitive(primitives[i], pose)) mesh.primitives.push_back(*std::move(primitive));
+    auto primitive = read_primitive(primitives[i], pose);
+    if (!primitive) continue;
+    mesh.primitives.push_back(*std::move(primitive));
+    if (sources != nullptr) sources->push_back(i);
   }
   return mesh;
 }
@@ -313,6 +316,13 @@ void MeshReader::finish_tangents(const JsonView& json, Primitive& primitive) {
 int MeshReader::material_of(const JsonView& primitive) const {
   const auto of_file = material_of_primitive(primitive, material_of_file_.size(), variant_);
   return of_file ? material_of_file_[*of_file] : default_material_;
+}
+
+std::vector<int> MeshReader::materials(const JsonView& json) const {
+  std::vector<int> result;
+  const JsonView primitives = json.at("primitives");
+  for (std::size_t i = 0; i < primitives.size(); ++i) result.push_back(material_of(primitives[i]));
+  return result;
 }
 
 std::vector<VertexNeeds> MeshReader::needs(const JsonView& json) const {

@@ -71,12 +71,15 @@ class MeshReader {
       : MeshReader(reader, warnings, other.materials_, other.material_of_file_, other.default_material_,
                    other.variant_) {}
 
-  Mesh read(const JsonView& json, int file_index, const MeshPose& pose);
+  /// `sources`: which of the file's primitives each of the mesh is.
+  Mesh read(const JsonView& json, int file_index, const MeshPose& pose, std::vector<std::size_t>* sources = nullptr);
 
   /// The mesh as its accessors describe it, of stand-ins; empty where only unpacking it would show all that is counted
   /// or measured. Tangents that are to be made are such a thing: they split vertices.
   std::optional<Mesh> read_outline(const JsonView& json, int file_index, const JsonView& root, GltfBuffers& buffers);
 
+  /// What each of the file's primitives of a mesh wears, -1 where it is not read.
+  std::vector<int> materials(const JsonView& json) const;
   /// Of the materials of each primitive of a mesh.
   std::vector<VertexNeeds> needs(const JsonView& json) const;
 

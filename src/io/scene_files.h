@@ -55,9 +55,10 @@ struct SceneSource {
   std::string label;             ///< names it in errors: FILE, or ARCHIVE:FILE
   std::string entry;             ///< its name in the archive; empty where there is none
   SceneFiles files;
-  std::string format;             ///< what the file is ("glTF", "OBJ"…), once open_gltf has looked
-  std::size_t file_bytes = 0;     ///< of the file itself, likewise
-  std::vector<std::string> read;  ///< names of other files that making a glTF of it has read
+  std::string format;                       ///< what the file is ("glTF", "OBJ"…), once open_gltf has looked
+  std::size_t file_bytes = 0;               ///< of the file itself, likewise
+  std::vector<std::string> read;            ///< names of other files that making a glTF of it has read
+  std::vector<std::string> mentioned = {};  ///< of files that it names beside these, if not to any effect
 };
 
 /// Whether a file is a .zip with a scene in it, or several. Throws nothing.

@@ -15,10 +15,14 @@ void check_built() { refuse(); }
 const char* integrator_name(Integrator) { refuse(); }
 std::uint64_t picture_bytes(const Settings&) { refuse(); }
 
+struct PreparedEnvironment {};
+FarLight::FarLight(const Environment&) { refuse(); }
+
 struct Tracer::Parts {};
+Tracer::Tracer(std::shared_ptr<const Scene>, const FarLight&, const shade::ShadingModel&) { refuse(); }
 Tracer::Tracer(std::shared_ptr<const Scene>, const Environment&, const shade::ShadingModel&) { refuse(); }
 Tracer::Tracer(Scene, const Environment&, const shade::ShadingModel&) { refuse(); }
-Tracer::Tracer(const Tracer&, std::shared_ptr<const Scene>, const Environment&) { refuse(); }
+Tracer::Tracer(const Tracer&, std::shared_ptr<const Scene>, const FarLight&) { refuse(); }
 Film Tracer::render(const View&, const Settings&, const Job&, Statistics*) const { refuse(); }
 const Scene& Tracer::scene() const { refuse(); }
 double Tracer::build_s() const { refuse(); }

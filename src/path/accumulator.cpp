@@ -70,6 +70,7 @@ Accumulator::Accumulator(const Settings& settings, bool has_through)
     if (layer_info(layer).has_mean) mean_layers_.push_back(layer);
   }
   layers_.resize(n * mean_layers_.size(), vec3(0.0f));
+  for (const MatteKind kind : settings.mattes) mattes_.emplace(kind, MatteSums(width_, height_));
   if (has_through) through_.resize(n);
   if (settings.has_features) features_.resize(n);
   if (settings.noise) half_luminance_.resize(n);
@@ -79,9 +80,10 @@ std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
   const bool may_have_through = settings.background == Background::transparent;
   // Judging noise takes what is metered, with copies to sort, and the errors.
   constexpr std::size_t kJudging = sizeof(float) * (1 + 8 + 3 + 1);
+  constexpr std::size_t kMattes = sizeof(std::vector<Matte>) + 4 * sizeof(Matte);  // few pixels have more
   return sizeof(Pixel) + (settings.has_features ? sizeof(Features) : 0) + (settings.noise ? kJudging : 0) +
          (may_have_through ? sizeof(Through) + 4 * sizeof(float) : 0) +
-         sizeof(vec3) * count_mean_layers(settings.layers);
+         sizeof(vec3) * count_mean_layers(settings.layers) + kMattes * settings.mattes.size();
 }
 
 bool Accumulator::add(int x, int y, const PathSample& sample) {
@@ -96,7 +98,9 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
   p.alpha += sample.alpha;
   ++p.count;
   for (std::size_t k = 0; k < mean_layers_.size(); ++k) {
-    layers_[i * mean_layers_.size() + k] += sample.first[static_cast<std::size_t>(mean_layers_[k])];
+    // One normal serves both spaces.
+    const Layer from = mean_layers_[k] == Layer::camera_normal ? Layer::normal : mean_layers_[k];
+    layers_[i * mean_layers_.size() + k] += sample.of(from);
   }
   if (!half_luminance_.empty() && ((p.count - 1) & kHalf) == 0) half_luminance_[i] += static_cast<float>(l);
   if (!features_.empty()) {
@@ -314,12 +318,17 @@ void Accumulator::resolve(Film& film, bool wants_features) const {
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
       vec3 v = layers_[i * mean_layers_.size() + k] / static_cast<float>(std::max(pixels_[i].count, 1U));
       const float length = glm::length(v);
-      if (layer == Layer::normal && length > 0.0f) v /= length;
+      const bool is_direction = layer == Layer::normal || layer == Layer::camera_normal;
+      if (is_direction && length > 0.0f) v /= length;
       for (int c = 0; c < channels; ++c) {
         image.pixels[i * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] = v[c];
       }
     }
     film.layers[layer] = std::move(image);
+  }
+  for (const auto& [kind, sums] : mattes_) {
+    film.mattes[kind] =
+        sums.mattes([&](std::size_t i) { return 1.0f / static_cast<float>(std::max(pixels_[i].count, 1U)); });
   }
 }
 

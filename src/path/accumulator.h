@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "path/integrator.h"
@@ -25,6 +26,11 @@ class Accumulator {
   /// sample. A background that shows through glass counts as light of the mean luminance of what is there. The noise of
   /// luminance speaks for that of all channels. Settings::noise was set.
   std::vector<float> shown_errors(const DevelopSettings& develop) const;
+
+  /// Settings::mattes has it: that the pixel's sample meets this node, or material.
+  void add_matte(MatteKind kind, int x, int y, std::uint32_t number) {
+    mattes_.at(kind).add(index(x, y), number, 1.0f);
+  }
 
   /// Mean radiance and layers so far, and features where they are wanted and were asked for.
   void resolve(Film& film, bool wants_features) const;
@@ -67,10 +73,11 @@ class Accumulator {
   void resolve_features(DenoisingFeatures& features) const;
   void resolve_through_variance(DenoisingFeatures& features) const;
 
-  std::vector<float> half_luminance_;  ///< of those samples, for Settings::noise
-  std::vector<Features> features_;     ///< empty unless asked for
-  std::vector<Layer> mean_layers_;     ///< those asked for
-  std::vector<vec3> layers_;           ///< of each pixel the sums of these
+  std::vector<float> half_luminance_;      ///< of those samples, for Settings::noise
+  std::vector<Features> features_;         ///< empty unless asked for
+  std::map<MatteKind, MatteSums> mattes_;  ///< those asked for
+  std::vector<Layer> mean_layers_;         ///< likewise
+  std::vector<vec3> layers_;               ///< of each pixel the sums of these
   struct Through {
     dvec3 sum{0.0};
     double luminance2 = 0.0;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <unordered_map>
@@ -190,6 +191,91 @@ std::vector<std::size_t> join_parts(const std::vector<Placement>& placements, co
   return left;
 }
 
+/// The faces of a body.
+class Shell {
+ public:
+  Shell(const std::vector<Placement>& placements, int body) {
+    for (const Placement& p : placements) {
+      if (p.body == body) placements_.push_back(&p);
+    }
+  }
+
+  /// Negative where the faces look inwards.
+  double volume() const {
+    const dvec3 origin(vertex());
+    double sum = 0.0;
+    for_triangles([&](dvec3 a, dvec3 b, dvec3 c, double side) {
+      sum += side * glm::dot(a - origin, glm::cross(b - origin, c - origin));
+    });
+    return sum / 6.0;
+  }
+  /// Some point of the faces.
+  vec3 vertex() const { return triangle_positions(*placements_.front(), 0).p0; }
+  /// By the solid angle that the faces cover around a point: van Oosterom & Strackee 1983, "The Solid Angle of a Plane
+  /// Triangle".
+  bool contains(vec3 point) const {
+    const dvec3 eye(point);
+    double sum = 0.0;
+    for_triangles([&](dvec3 p, dvec3 q, dvec3 r, double side) {
+      const dvec3 a = p - eye, b = q - eye, c = r - eye;
+      const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+      sum += side * std::atan2(glm::dot(a, glm::cross(b, c)),
+                               la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+    });
+    return sum > kPi;  // half of 4π, of which atan2 gives half
+  }
+
+ private:
+  template <class Visit>
+  void for_triangles(Visit visit) const {
+    for (const Placement* p : placements_) {
+      for (std::uint32_t i = 0; i < p->mesh->triangles.size(); ++i) {
+        const TrianglePositions t = triangle_positions(*p, i);
+        visit(dvec3(t.p0), dvec3(t.p1), dvec3(t.p2), p->is_mirrored ? -1.0 : 1.0);
+      }
+    }
+  }
+
+  std::vector<const Placement*> placements_;
+};
+
+bool lies_within(const Box3& inner, const Box3& outer) {
+  return glm::all(glm::greaterThanEqual(inner.lower, outer.lower)) &&
+         glm::all(glm::lessThanEqual(inner.upper, outer.upper));
+}
+
+/// Gives the walls of hollows to the bodies that they are in.
+void join_hollows(const std::vector<Body>& bodies, std::vector<Placement>& placements) {
+  std::vector<bool> is_joined(bodies.size(), false);
+  const auto may_contain = [&](std::size_t outer, std::size_t inner) {
+    return outer != inner && !is_joined[outer] && !bodies[outer].is_open &&
+           lies_within(bodies[inner].bounds, bodies[outer].bounds);
+  };
+  for (std::size_t inner = 1; inner < bodies.size(); ++inner) {
+    std::vector<std::size_t> around;
+    for (std::size_t outer = 1; outer < bodies.size(); ++outer) {
+      if (may_contain(outer, inner)) around.push_back(outer);
+    }
+    if (bodies[inner].is_open || around.empty()) continue;
+    const Shell wall(placements, static_cast<int>(inner));
+    if (wall.volume() >= 0.0) continue;
+    double smallest = std::numeric_limits<double>::infinity();
+    int found = 0;
+    for (const std::size_t outer : around) {
+      const Shell shell(placements, static_cast<int>(outer));
+      const double volume = shell.volume();
+      if (volume <= 0.0 || volume >= smallest || !shell.contains(wall.vertex())) continue;
+      smallest = volume;
+      found = static_cast<int>(outer);
+    }
+    if (found == 0) continue;
+    is_joined[inner] = true;
+    for (Placement& p : placements) {
+      if (p.body == static_cast<int>(inner)) p.body = found;
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Body> find_bodies(std::vector<Placement>& placements) {
@@ -211,6 +297,7 @@ std::vector<Body> find_bodies(std::vector<Placement>& placements) {
     target.bounds.extend(parts[i].bounds);
     for (const int k : parts[i].placements) placements[static_cast<std::size_t>(k)].body = body;
   }
+  join_hollows(bodies, placements);
   return bodies;
 }
 

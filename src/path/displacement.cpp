@@ -115,4 +115,19 @@ Primitive displaced(const Primitive& primitive, const Material& material, const 
   return Relief(primitive, material, height).build(divisions(primitive, material.height_texture, height.size()));
 }
 
+int divisions_of(std::size_t before, std::size_t after) {
+  return static_cast<int>(std::lround(std::sqrt(static_cast<double>(after) / static_cast<double>(before))));
+}
+
+UndividedPlace undivided(const UndividedPlace& divided, int divisions) {
+  if (divisions <= 1) return divided;
+  const auto n = static_cast<std::uint32_t>(divisions);
+  std::uint32_t k = divided.triangle % (n * n), row = 0;
+  // As add_triangle() lays them out: a row of upright triangles, with one upside down between every two.
+  for (std::uint32_t in_row = 2 * n - 1; k >= in_row; in_row -= 2, ++row) k -= in_row;
+  const vec2 corner(k / 2, row), b = divided.barycentric;
+  const vec2 along = k % 2 == 0 ? b : vec2(1.0f - b.y, b.x + b.y);
+  return {divided.triangle / (n * n), (corner + along) / static_cast<float>(n)};
+}
+
 }  // namespace candela::path

@@ -10,4 +10,15 @@ namespace candela::path {
 /// vertices. Without a normal map the normals follow the relief; with one, the map tells of it already.
 Primitive displaced(const Primitive& primitive, const Material& material, const TextureReader& height);
 
+/// How many parts each side of a triangle was divided into, by the numbers of triangles before and after.
+int divisions_of(std::size_t before, std::size_t after);
+
+/// A place of a primitive: weights are those of the triangle's second and third corner.
+struct UndividedPlace {
+  std::uint32_t triangle = 0;
+  vec2 barycentric{0.0f};
+};
+/// Where a place of the divided primitive was before.
+UndividedPlace undivided(const UndividedPlace& divided, int divisions);
+
 }  // namespace candela::path

@@ -97,4 +97,12 @@ class EnvironmentLight {
   std::vector<Sun> suns_;
 };
 
+/// An environment and what was made of it, for the tracers of all scenes under it.
+struct PreparedEnvironment {
+  explicit PreparedEnvironment(const Environment& given) : environment(given), light(given) {}
+
+  Environment environment;
+  EnvironmentLight light;
+};
+
 }  // namespace candela::path

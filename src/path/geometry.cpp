@@ -12,6 +12,7 @@
 #include "path/displacement.h"
 #include "path/embree.h"
 #include "path/surface_point.h"
+#include "scene/cutoff.h"
 #include "scene/ground.h"
 #include "scene/surface_params.h"
 #include "shade/surface.glsl.h"
@@ -20,17 +21,15 @@ namespace candela::path {
 
 namespace {
 
-constexpr float kOpacityOfLayers = 0.5f;  // from here on a surface counts as the first, as in other renderers' layers
-
 /// What the filter callbacks need to know of a ray beside Embree's own context, which must come first.
 struct QueryContext {
   RayContext base;
   const std::uint32_t* seeds = nullptr;  ///< per ray id; null for shadow rays and where opacity ½ decides
   const Geometry* geometry = nullptr;    ///< of a single ray with a filter of its own, as the rest
   vec3 direction{0.0f};
-  vec3 transmittance{1.0f};     ///< so far
-  std::span<const Hit> passed;  ///< what is not met again
-  std::vector<Hit>* boundaries = nullptr;
+  vec3 transmittance{1.0f};               ///< so far
+  std::span<const Hit> passed;            ///< what is not met again
+  std::vector<Hit>* collected = nullptr;  ///< of queries that go on after every hit
 };
 
 float hit_opacity(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
@@ -88,7 +87,7 @@ Hit filtered_hit(const QueryContext& context, const RTCFilterFunctionNArguments*
 /// Any hit: multiply up what passes, go on until something is opaque.
 void filter_shadow(const RTCFilterFunctionNArguments* arguments) {
   auto& context = *reinterpret_cast<QueryContext*>(arguments->context);
-  if (context.boundaries != nullptr) return;
+  if (context.collected != nullptr) return;
   if (arguments->valid[0] == 0) return;
   const vec3 passing = context.geometry->transmittance(filtered_hit(context, arguments), context.direction);
   if (max_component(passing) <= 0.0f) return;
@@ -120,7 +119,19 @@ void filter_boundaries(const RTCFilterFunctionNArguments* arguments) {
   const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
   if (arguments->valid[0] == 0) return;
   const Hit hit = filtered_hit(context, arguments);
-  if (context.geometry->placement(hit.placement).body != 0) context.boundaries->push_back(hit);
+  if (context.geometry->placement(hit.placement).body != 0) context.collected->push_back(hit);
+  arguments->valid[0] = 0;
+}
+
+/// Of a query: notes what the eye could see, and goes on.
+void filter_surfaces(const RTCFilterFunctionNArguments* arguments) {
+  const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
+  if (arguments->valid[0] == 0) return;
+  const Hit hit = filtered_hit(context, arguments);
+  const bool is_there = hit_opacity(arguments, 0) >= kOpacityOfLayers &&
+                        !context.geometry->placement(hit.placement).is_ground &&
+                        !is_culled_back(*context.geometry, hit, context.direction);
+  if (is_there) context.collected->push_back(hit);
   arguments->valid[0] = 0;
 }
 
@@ -192,6 +203,7 @@ std::unique_ptr<MeshData> make_mesh(const Primitive& flat, const MaterialData& m
   const TextureReader& height = material.texture<&Material::height_texture>();
   if (height) mesh->own = displaced(flat, material.factors, height);
   const Primitive& primitive = height ? mesh->own : flat;
+  mesh->divisions = divisions_of(flat.triangles.size(), primitive.triangles.size());
   mesh->material = &material;
   mesh->is_mirrored = to_world != nullptr && to_world->is_mirrored;
   mesh->triangles = primitive.triangles;
@@ -218,7 +230,7 @@ void fade(MeshData& mesh, float opacity) {
   mesh.colors = mesh.own_colors;
 }
 
-Placement make_placement(const Node& node, int index, int number) {
+Placement make_placement(const Node& node, int index) {
   Placement placement;
   placement.world_from_object = node.world_from_node;
   const mat3 linear(node.world_from_node);
@@ -229,7 +241,6 @@ Placement make_placement(const Node& node, int index, int number) {
   placement.world_from_normal = determinant < 0.0f ? -cofactor : cofactor;
   placement.is_mirrored = determinant < 0.0f;
   placement.node = index;
-  placement.number = number;
   placement.color = vec3(node.color);
   return placement;
 }
@@ -311,7 +322,8 @@ float MeshData::opacity(const uvec3& t, vec3 b) const {
   float alpha = m.opacity * color(t, b).w;
   const TextureReader& texture = material->texture<&Material::base_color_texture>();
   if (texture) alpha *= texture.sample(uv(t, b, texture.uv_set())).w;
-  return m.alpha_mode == AlphaMode::mask ? (alpha >= m.alpha_cutoff ? 1.0f : 0.0f) : glm::clamp(alpha, 0.0f, 1.0f);
+  return m.alpha_mode == AlphaMode::mask ? (alpha >= drawn_cutoff(m.alpha_cutoff) ? 1.0f : 0.0f)
+                                         : glm::clamp(alpha, 0.0f, 1.0f);
 }
 
 struct Geometry::Impl {
@@ -360,7 +372,7 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
 
   struct Shared {
     SceneHandle scene;
-    std::vector<const MeshData*> meshes;
+    std::vector<std::pair<const MeshData*, int>> meshes;  ///< and which primitive each is
   };
   std::map<std::pair<int, float>, Shared> shared;
   unsigned next_geometry = 0;
@@ -369,16 +381,18 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     const Node& node = scene.nodes[i];
     if (node.mesh < 0) continue;
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(node.mesh)];
-    Placement placement = make_placement(node, static_cast<int>(i), number_of(scene.nodes, i));
+    Placement placement = make_placement(node, static_cast<int>(i));
 
     // ----- placed once, or flattened: straight into the top level, in world space
     if (uses[key_of(node)] == 1 || !can_instance(node.world_from_node)) {
-      for (const Primitive& primitive : mesh.primitives) {
+      for (std::size_t k = 0; k < mesh.primitives.size(); ++k) {
+        const Primitive& primitive = mesh.primitives[k];
         if (primitive.triangles.empty()) continue;
         meshes_.push_back(make_mesh(primitive, materials_[static_cast<std::size_t>(primitive.material)], &placement));
         fade(*meshes_.back(), node.color.w);
         Placement in_world = placement;
         in_world.mesh = meshes_.back().get();
+        in_world.primitive = static_cast<int>(k);
         in_world.is_world = true;
         impl_->placement_of_geometry.push_back(static_cast<int>(placements_.size()));
         placements_.push_back(in_world);
@@ -393,13 +407,14 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     if (!tree.scene) {
       tree.scene.reset(rtcNewScene(impl_->device.get()));
       rtcSetSceneFlags(tree.scene.get(), kFilterByQuery);
-      for (const Primitive& primitive : mesh.primitives) {
+      for (std::size_t k = 0; k < mesh.primitives.size(); ++k) {
+        const Primitive& primitive = mesh.primitives[k];
         if (primitive.triangles.empty()) continue;
         meshes_.push_back(make_mesh(primitive, materials_[static_cast<std::size_t>(primitive.material)], nullptr));
         fade(*meshes_.back(), node.color.w);
         impl_->attach(tree.scene.get(), make_triangles(impl_->device.get(), *meshes_.back()),
                       static_cast<unsigned>(tree.meshes.size()));
-        tree.meshes.push_back(meshes_.back().get());
+        tree.meshes.emplace_back(meshes_.back().get(), static_cast<int>(k));
         triangle_count_ += meshes_.back()->triangles.size();
       }
       rtcCommitScene(tree.scene.get());
@@ -412,8 +427,9 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     impl_->placement_of_geometry.push_back(static_cast<int>(placements_.size()));
     impl_->attach(impl_->scene.get(), std::move(instance), next_geometry++);
     ++instance_count_;
-    for (const MeshData* data : tree.meshes) {
+    for (const auto& [data, primitive] : tree.meshes) {
       placement.mesh = data;
+      placement.primitive = primitive;
       placements_.push_back(placement);
     }
   }
@@ -572,13 +588,22 @@ vec3 Geometry::transmittance(const Hit& hit, vec3 direction) const {
   return passing;
 }
 
-std::vector<Hit> Geometry::find_boundaries(const Ray& ray) const {
+std::vector<Hit> Geometry::collect(const Ray& ray, Query& with) const {
   std::vector<Hit> found;
-  Query with(*this, ray.direction, filter_boundaries);
-  with.context.boundaries = &found;
+  with.context.collected = &found;
   RTCRay query = embree_ray(ray);
   occluded_1(impl_->scene.get(), with.context.base, query, with.filter);
   return found;
+}
+
+std::vector<Hit> Geometry::find_boundaries(const Ray& ray) const {
+  Query with(*this, ray.direction, filter_boundaries);
+  return collect(ray, with);
+}
+
+std::vector<Hit> Geometry::all_surfaces(const Ray& ray) const {
+  Query with(*this, ray.direction, filter_surfaces);
+  return collect(ray, with);
 }
 
 TrianglePositions triangle_positions(const Placement& placement, std::uint32_t triangle) {

@@ -66,6 +66,7 @@ struct MeshData {
   std::span<const vec4> colors;
   const MaterialData* material = nullptr;
   bool is_mirrored = false;  ///< in world space, by a node of negative determinant: the winding is reversed
+  int divisions = 1;         ///< of each side of the scene's triangles, see displaced()
 
   /// Without such a set the first serves.
   vec2 uv(const uvec3& t, vec3 b, int set) const;
@@ -87,8 +88,8 @@ struct Placement {
   bool is_world = false;         ///< the mesh already is in world space
   bool is_mirrored = false;      ///< negative determinant: the winding is reversed
   int node = -1;
+  int primitive = 0;       ///< of the node's mesh
   int body = 0;            ///< the body that its faces bound, see find_bodies; 0 = none
-  int number = -1;         ///< of the node, as people know it
   vec3 color{1.0f};        ///< multiplies the base colour; the node's opacity is in its mesh
   int first_light = -1;    ///< index of triangle 0 among the emissive triangles
   bool is_ground = false;  ///< of Scene::ground
@@ -142,6 +143,8 @@ class Geometry {
   Hit intersect_visible(const Ray& ray, std::uint32_t seed) const;
   /// The first surface of the layers: as the eye sees it, and of opacity at least ½. No chance is in it, and no ground.
   Hit first_surface(const Ray& ray) const;
+  /// All surfaces along the ray that first_surface() might find, were nothing before them, in no order.
+  std::vector<Hit> all_surfaces(const Ray& ray) const;
   /// The closest hit on another surface than any of `passed`, which the same ray has met. See is_one_surface.
   Hit intersect_beyond(const Ray& ray, std::uint32_t seed, std::span<const Hit> passed) const;
   /// All faces of bodies along the ray, in no order.
@@ -176,6 +179,7 @@ class Geometry {
   struct Query;
   void add_ground(const Scene& scene, const shade::ShadingModel& model, unsigned id);
   Hit intersect(const Ray& ray, Query& query) const;
+  std::vector<Hit> collect(const Ray& ray, Query& query) const;
 
   std::unique_ptr<Impl> impl_;
   std::vector<MaterialData> materials_;

@@ -44,6 +44,7 @@ struct PathSample {
   std::array<vec3, kLayers.size()> first{};  ///< what layers that have a mean say of the first surface
 
   vec3& of(Layer layer) { return first[static_cast<std::size_t>(layer)]; }
+  const vec3& of(Layer layer) const { return first[static_cast<std::size_t>(layer)]; }
 };
 
 /// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees.

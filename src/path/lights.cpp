@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -63,12 +64,12 @@ ProfileCone profile_cone(const IesProfile& p) {
 
 }  // namespace
 
-Lights::Lights(const Scene& scene, const Environment& environment, Geometry& geometry)
-    : geometry_(geometry), environment_(environment) {
+Lights::Lights(const Scene& scene, std::shared_ptr<const PreparedEnvironment> environment, Geometry& geometry)
+    : geometry_(geometry), prepared_(std::move(environment)), environment_(prepared_->light) {
   add_punctual(scene);
   add_triangles(geometry);
   make_sources();
-  if (geometry.ground() != nullptr) from_above_ = irradiance_from_above(environment);
+  if (geometry.ground() != nullptr) from_above_ = irradiance_from_above(prepared_->environment);
 }
 
 Lights::PunctualLight Lights::place(const Scene& scene, const Node& node) {

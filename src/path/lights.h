@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "path/environment_light.h"
 #include "path/geometry.h"
@@ -58,7 +59,7 @@ struct LightChances {
 class Lights {
  public:
   /// Numbers the emissive triangles in `geometry`. `scene` must outlive this.
-  Lights(const Scene& scene, const Environment& environment, Geometry& geometry);
+  Lights(const Scene& scene, std::shared_ptr<const PreparedEnvironment> environment, Geometry& geometry);
 
   bool can_sample() const { return !sources_.empty() || !tree_.empty(); }
   /// `is_seen`: the receiver is what the picture shows, and not only what lights that.
@@ -138,8 +139,9 @@ class Lights {
   LightSample sample_triangle(const TriangleLight& light, vec3 position, vec2 u) const;
 
   const Geometry& geometry_;
-  EnvironmentLight environment_;
-  vec3 from_above_{0.0f};  ///< irradiance by the environment of a ground
+  std::shared_ptr<const PreparedEnvironment> prepared_;
+  const EnvironmentLight& environment_;  ///< of prepared_
+  vec3 from_above_{0.0f};                ///< irradiance by the environment of a ground
   std::vector<PunctualLight> punctual_;
   std::vector<TriangleLight> triangles_;
   std::vector<float> triangle_powers_;

@@ -17,6 +17,8 @@
 #include "path/empty_pixels.h"
 #include "path/integrator.h"
 #include "path/pixel_filter.h"
+#include "path/surface_map.h"
+#include "scene/surface_layers.h"
 
 namespace candela::path {
 
@@ -125,19 +127,21 @@ const Scene& validated(const std::shared_ptr<const Scene>& scene) {
 }  // namespace
 
 struct Tracer::Parts {
-  Parts(std::shared_ptr<const Scene> made_of, const Environment& environment, const shade::ShadingModel& shading)
+  Parts(std::shared_ptr<const Scene> made_of, std::shared_ptr<const PreparedEnvironment> environment,
+        const shade::ShadingModel& shading, double light_s = 0.0)
       : scene(std::move(made_of)),
         shape(scene),
         shared_geometry(std::make_shared<Geometry>(validated(scene), shading)),
         geometry(*shared_geometry),
-        lights(*scene, environment, geometry),
-        build_s(watch.seconds()) {}
-  Parts(const Parts& before, std::shared_ptr<const Scene> made_of, const Environment& environment)
+        lights(*scene, std::move(environment), geometry),
+        build_s(light_s + watch.seconds()) {}
+  Parts(const Parts& before, std::shared_ptr<const Scene> made_of,
+        std::shared_ptr<const PreparedEnvironment> environment)
       : scene(std::move(made_of)),
         shape(before.shape),
         shared_geometry(before.shared_geometry),
         geometry(*shared_geometry),
-        lights(validated(scene), environment, geometry),
+        lights(validated(scene), std::move(environment), geometry),
         build_s(watch.seconds()) {}
 
   Stopwatch watch;
@@ -164,6 +168,7 @@ class Picture::Impl {
                  settings.sees_lamps,
                  settings.sees_backdrop,
                  geometry_.has_media()},
+        view_(view),
         camera_(view, settings.width, settings.height),
         pinhole_(without_lens(view), settings.width, settings.height),
         filter_(settings.filter, settings.filter_radius),
@@ -175,6 +180,7 @@ class Picture::Impl {
       throw Error("the integrator of surfaces alone cannot enter the scene's bodies; minimal can", parts_->scene->name);
     if (settings.integrator == Integrator::surfaces && geometry_.ground() != nullptr)
       throw Error("the integrator of surfaces alone knows no ground; minimal does", parts_->scene->name);
+    check_numbers(*parts_->scene, settings.layers);
     find_start();
   }
 
@@ -195,7 +201,8 @@ class Picture::Impl {
   void run_pass(const Job& job);
   bool must_stop(const Job& job) const;
   void report(const Job& job);
-  void trace_centre_layers(Film& film) const;
+  void add_centre_layers(Film& film) const;
+  void add_mattes(ivec2 pixel, const Ray& ray, const Hit& first);
   std::uint32_t pixel_seed(int x, int y) const {
     return hash_combine(hash_combine(settings_.seed, static_cast<std::uint32_t>(x)), static_cast<std::uint32_t>(y));
   }
@@ -208,6 +215,7 @@ class Picture::Impl {
   Settings settings_;
   const Geometry& geometry_;
   PathContext context_;
+  View view_;
   Camera camera_;
   Camera pinhole_;  ///< through the middle of the lens: a polygon's numbers (½, ½) are not its middle
   PixelFilterSampler filter_;
@@ -299,7 +307,9 @@ void Picture::Impl::render_block(ivec2 corner, std::uint32_t first_sample, std::
       if (settings_.clamp) clamp_indirect(*settings_.clamp, sample);
       sample.radiance *= weights[i];
       sample.seen *= weights[i];
-      if (!accumulator_.add(pixels[i].x, pixels[i].y, sample)) ++counts.non_finite;
+      const bool is_finite = accumulator_.add(pixels[i].x, pixels[i].y, sample);
+      if (!is_finite) ++counts.non_finite;
+      if (is_finite && !settings_.mattes.empty()) add_mattes(pixels[i], packet.rays[i], hits[i]);
     }
   }
 }
@@ -481,38 +491,38 @@ Statistics Picture::Impl::statistics() const {
   return s;
 }
 
-/// Depth, position and object id are those of the pixel's centre: their mean across an edge would be a place where
-/// nothing is.
-void Picture::Impl::trace_centre_layers(Film& film) const {
-  const bool depth = settings_.layers.contains(Layer::depth);
-  const bool position = settings_.layers.contains(Layer::position);
-  const bool id = settings_.layers.contains(Layer::object_id);
-  if (!depth && !position && !id) return;
-  if (depth) film.layers[Layer::depth] = Image(settings_.width, settings_.height, 1);
-  if (position) film.layers[Layer::position] = Image(settings_.width, settings_.height, 3);
-  if (id) film.layers[Layer::object_id] = Image(settings_.width, settings_.height, 1);
-  parallel_for(0, static_cast<std::size_t>(settings_.height), 4, [&](std::size_t begin, std::size_t end) {
-    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      for (int x = 0; x < settings_.width; ++x) {
-        const Camera::Sample camera = pinhole_.generate(vec2(x, y) + 0.5f, vec2(0.5f));
-        const Ray& ray = camera.ray;
-        const Hit hit = geometry_.first_surface(ray);
-        const vec3 p = hit ? ray.origin + ray.direction * hit.t : vec3(0.0f);
-        if (depth) film.layers[Layer::depth].at(x, y)[0] = hit ? camera.start + glm::length(p - ray.origin) : kInfinity;
-        if (position) film.layers[Layer::position].set_rgb(x, y, p);
-        if (id) {
-          film.layers[Layer::object_id].at(x, y)[0] =
-              hit ? static_cast<float>(geometry_.placement(hit.placement).number + 1) : 0.0f;
-        }
-      }
-    }
-  });
+/// What is at a pixel's centre: means across an edge would be places where nothing is.
+void Picture::Impl::add_centre_layers(Film& film) const {
+  const Scene& scene = *parts_->scene;
+  const ivec2 size(settings_.width, settings_.height);
+  if (settings_.has_masks) film.masks = find_masks(geometry_, pinhole_, size);
+  if (!has_centre_layer(settings_.layers)) return;
+  SurfaceMap map = map_surfaces(geometry_, pinhole_, size);
+  add_surface_layers(scene, view_, map, settings_.layers, film);
+  if (settings_.layers.contains(Layer::motion)) film.surfaces = std::move(map);
+}
+
+void Picture::Impl::add_mattes(ivec2 pixel, const Ray& ray, const Hit& first) {
+  RayCounts ignored;
+  const Hit hit = first_visible_hit(context_, ray, first, ignored);
+  if (!hit || geometry_.placement(hit.placement).is_ground) return;
+  const Placement& p = geometry_.placement(hit.placement);
+  const Scene& scene = *parts_->scene;
+  for (const MatteKind kind : settings_.mattes) {
+    const int number =
+        kind == MatteKind::object ? p.node : material_of(scene, {.node = p.node, .primitive = p.primitive});
+    accumulator_.add_matte(kind, pixel.x, pixel.y, static_cast<std::uint32_t>(number));
+  }
 }
 
 Film Picture::Impl::film(bool has_features) const {
   Film film;
   accumulator_.resolve(film, has_features);
-  trace_centre_layers(film);
+  for (auto& [kind, mattes] : film.mattes) mattes.names = matte_names(*parts_->scene, kind);
+  if (const auto found = film.layers.find(Layer::camera_normal); found != film.layers.end()) {
+    turn_to_camera(view_, found->second);
+  }
+  add_centre_layers(film);
   return film;
 }
 
@@ -534,11 +544,21 @@ std::uint64_t picture_bytes(const Settings& settings) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
   constexpr std::uint64_t kFlags = 2;  // who is empty, and has converged
   return pixels * (Accumulator::bytes_per_pixel(settings) + kFlags +
-                   film_bytes_per_pixel(settings.layers, settings.has_features));
+                   film_bytes_per_pixel(settings.layers, settings.has_features) +
+                   (has_centre_layer(settings.layers) ? sizeof(SurfaceSample) : 0));
 }
 
-Tracer::Tracer(std::shared_ptr<const Scene> scene, const Environment& environment, const shade::ShadingModel& shading)
-    : parts_(std::make_shared<const Parts>(std::move(scene), environment, shading)) {}
+FarLight::FarLight(const Environment& environment)
+    : prepared_(std::make_shared<const PreparedEnvironment>(environment)) {}
+
+Tracer::Tracer(std::shared_ptr<const Scene> scene, const FarLight& light, const shade::ShadingModel& shading)
+    : parts_(std::make_shared<const Parts>(std::move(scene), light.prepared_, shading)) {}
+
+Tracer::Tracer(std::shared_ptr<const Scene> scene, const Environment& environment, const shade::ShadingModel& shading) {
+  const Stopwatch watch;
+  const FarLight light(environment);
+  parts_ = std::make_shared<const Parts>(std::move(scene), light.prepared_, shading, watch.seconds());
+}
 
 Tracer::Tracer(Scene scene, const Environment& environment, const shade::ShadingModel& shading)
     : Tracer(std::make_shared<const Scene>(std::move(scene)), environment, shading) {}
@@ -546,8 +566,8 @@ Tracer::Tracer(Scene scene, const Environment& environment, const shade::Shading
 const Scene& Tracer::scene() const { return *parts_->scene; }
 double Tracer::build_s() const { return parts_->build_s; }
 
-Tracer::Tracer(const Tracer& before, std::shared_ptr<const Scene> scene, const Environment& environment)
-    : parts_(std::make_shared<Parts>(*before.parts_, std::move(scene), environment)) {}
+Tracer::Tracer(const Tracer& before, std::shared_ptr<const Scene> scene, const FarLight& light)
+    : parts_(std::make_shared<Parts>(*before.parts_, std::move(scene), light.prepared_)) {}
 
 Film Tracer::render(const View& view, const Settings& settings, const Job& job, Statistics* statistics) const {
   Picture picture(*this, view, settings);

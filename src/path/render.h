@@ -50,6 +50,8 @@ struct Settings {
   /// False: camera rays that miss the scene see the environment that lights it, not its backdrop.
   bool sees_backdrop = true;
   std::set<Layer> layers{};
+  std::set<MatteKind> mattes{};  ///< Film::mattes has these; lens and motion blur soften them
+  bool has_masks = false;        ///< Film::masks
   /// The film has what a denoiser asks for; pictures of Job::partial do not. Integrator::full only.
   bool has_features = false;
 };
@@ -84,6 +86,18 @@ void check_built();
 /// scene.
 std::uint64_t picture_bytes(const Settings& settings);
 
+struct PreparedEnvironment;
+
+/// The light from infinitely far away, prepared for tracing: tracers of several scenes can share it.
+class FarLight {
+ public:
+  explicit FarLight(const Environment& environment);
+
+ private:
+  friend class Tracer;
+  std::shared_ptr<const PreparedEnvironment> prepared_;
+};
+
 /// A scene with its light, prepared for tracing: acceleration structure, light tables, materials with their textures.
 /// Several threads may render pictures of it at once.
 class Tracer {
@@ -93,16 +107,18 @@ class Tracer {
          const shade::ShadingModel& shading = shade::shading_model_candela());
   Tracer(Scene scene, const Environment& environment,
          const shade::ShadingModel& shading = shade::shading_model_candela());
+  Tracer(std::shared_ptr<const Scene> scene, const FarLight& light,
+         const shade::ShadingModel& shading = shade::shading_model_candela());
   /// The scene of `before`, or one with the same meshes, materials, textures, ground and nodes that hold meshes, under
   /// other light: what was built of these serves again. `before` may render meanwhile.
-  Tracer(const Tracer& before, std::shared_ptr<const Scene> scene, const Environment& environment);
+  Tracer(const Tracer& before, std::shared_ptr<const Scene> scene, const FarLight& light);
 
   /// The picture of a view. The result depends only on the arguments, never on the number of threads (with a time limit
   /// it depends on how many passes fitted). Throws Error for invalid settings and views.
   Film render(const View& view, const Settings& settings, const Job& job = {}, Statistics* statistics = nullptr) const;
 
   const Scene& scene() const;
-  double build_s() const;  ///< time it took to construct
+  double build_s() const;  ///< time it took to construct, without a FarLight that was there
 
  private:
   friend class Picture;

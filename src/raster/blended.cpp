@@ -94,8 +94,8 @@ void Renderer::draw_veils() {
     glDrawBuffers(1, &color);
     glClearColor(1.0f, 1.0f, 1.0f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    glColorMask(GL_TRUE, GL_FALSE, GL_FALSE, GL_FALSE);
-    const bool is_any = draw_layer(casters, clip_from_world, DepthPass::first_veil, GL_NONE, 0, &shadow);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    const bool is_any = draw_layer(casters, clip_from_world, DepthPass::first_layer, GL_NONE, 0, &shadow);
     glBindFramebuffer(GL_FRAMEBUFFER, copy_framebuffer_);
     glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, shadows_, 0, layers + layer);
     draw_no_color();
@@ -108,12 +108,15 @@ void Renderer::draw_veils() {
     glClear(GL_DEPTH_BUFFER_BIT);
     if (is_any) draw_layer(casters, clip_from_world, DepthPass::next_layer, GL_NONE, veil_depth_, &shadow);
 
-    // ----- all of them
+    // ----- what passes the first, which may be several at one place, and all of them
     glBindFramebuffer(GL_FRAMEBUFFER, veil_framebuffer_);
-    glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_FALSE);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, 0, 0);  // it is read
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ZERO, GL_SRC_COLOR);
+    glColorMask(GL_TRUE, GL_FALSE, GL_FALSE, GL_FALSE);
+    if (is_any) draw_layer(casters, clip_from_world, DepthPass::first_veil, GL_NONE, veil_depth_, &shadow);
+    glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_FALSE);
     if (is_any) draw_layer(casters, clip_from_world, DepthPass::passing_veil, GL_NONE, 0, &shadow);
     glDisable(GL_BLEND);
     glEnable(GL_DEPTH_TEST);

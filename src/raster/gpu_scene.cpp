@@ -89,6 +89,28 @@ std::vector<vec4> interleave_more(const Primitive& p, std::span<const int> sets)
   return result;
 }
 
+template <class V>
+std::vector<V> of_corners(const std::vector<V>& values, const std::vector<uvec3>& triangles) {
+  std::vector<V> result;
+  if (values.empty()) return result;
+  result.reserve(3 * triangles.size());
+  for (const uvec3& t : triangles) result.insert(result.end(), {values[t.x], values[t.y], values[t.z]});
+  return result;
+}
+
+/// With vertices of its own for each triangle.
+Primitive unshared(const Primitive& p) {
+  Primitive result;
+  result.positions = of_corners(p.positions, p.triangles);
+  result.normals = of_corners(p.normals, p.triangles);
+  result.tangents = of_corners(p.tangents, p.triangles);
+  for (const auto& [set, uvs] : p.uvs) result.uvs[set] = of_corners(uvs, p.triangles);
+  result.colors = of_corners(p.colors, p.triangles);
+  result.material = p.material;
+  for (unsigned i = 0; i < p.triangles.size(); ++i) result.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  return result;
+}
+
 bool is_plain(const TextureSlot& slot) {
   return !slot || (slot.uv_set == 0 && slot.transform == TextureSlot{}.transform);
 }
@@ -213,27 +235,30 @@ void GpuScene::set_meshes(const Scene& scene) {
   std::vector<GpuPrimitive> before = std::move(primitives_);
   const std::vector<std::size_t> first_before = std::move(first_primitive_);
   const std::vector<std::shared_ptr<const void>> meshes_before = std::move(meshes_);
-  primitives_.clear(), first_primitive_.clear(), meshes_.clear();
+  std::map<std::size_t, GpuPrimitive> corners_before = std::move(corners_);
+  primitives_.clear(), first_primitive_.clear(), meshes_.clear(), corners_.clear();
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     const bool is_known = mesh.identity != nullptr && m < meshes_before.size() && meshes_before[m] == mesh.identity;
     first_primitive_.push_back(primitives_.size());
     meshes_.push_back(mesh.identity);
     for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+      const auto corners = is_known ? corners_before.find(first_before[m] + p) : corners_before.end();
+      if (corners != corners_before.end()) corners_.emplace(primitives_.size(), std::move(corners->second));
       primitives_.push_back(is_known ? std::move(before[first_before[m] + p]) : upload(mesh.primitives[p]));
     }
   }
   first_primitive_.push_back(primitives_.size());
 }
 
-GpuPrimitive GpuScene::upload(const Primitive& p) const {
+GpuPrimitive GpuScene::upload(const Primitive& p, std::optional<vec3> middle) const {
   GpuPrimitive gpu;
   gpu.material = p.material;
   gpu.has_colors = !p.colors.empty();
   gpu.has_tangents = !p.tangents.empty();
   gpu.index_count = static_cast<GLsizei>(3 * p.triangles.size());
   for (const vec3& position : p.positions) gpu.bounds.extend(position);
-  if (!gpu.bounds.empty()) gpu.middle = 0.5f * gpu.bounds.lower + 0.5f * gpu.bounds.upper;
+  if (!gpu.bounds.empty()) gpu.middle = middle.value_or(0.5f * gpu.bounds.lower + 0.5f * gpu.bounds.upper);
   const VertexLayout layout(p);
   const std::vector<float> vertices = interleave(p, gpu.middle, layout);
   glBindVertexArray(gpu.attributes);
@@ -496,10 +521,9 @@ void GpuScene::bind_material(const GpuMaterial& material, const gl::Program& pro
   }
 }
 
-void GpuScene::bind_draw(std::size_t first) const {
+void GpuScene::bind_draw(const GpuPrimitive& primitive, std::size_t first) const {
   const Draw& d = draws_[first];
-  const GpuPrimitive& p = primitives_[static_cast<std::size_t>(d.primitive)];
-  glBindVertexArray(p.attributes);
+  glBindVertexArray(primitive.attributes);
   glBindBuffer(GL_ARRAY_BUFFER, transforms_);
   for (GLuint row = 0; row < 4; ++row) {
     attribute(5 + row, 4, 16 * first + std::size_t{4} * row, 16);
@@ -512,13 +536,27 @@ void GpuScene::bind_draw(std::size_t first) const {
 }
 
 void GpuScene::draw(std::size_t first, std::size_t count) const {
-  bind_draw(first);
-  const GLsizei index_count = primitives_[static_cast<std::size_t>(draws_[first].primitive)].index_count;
-  glDrawElementsInstanced(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(count));
+  const GpuPrimitive& primitive = primitives_[static_cast<std::size_t>(draws_[first].primitive)];
+  bind_draw(primitive, first);
+  glDrawElementsInstanced(GL_TRIANGLES, primitive.index_count, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(count));
+}
+
+void GpuScene::draw_corners(const Scene& scene, std::size_t first, std::size_t count) {
+  const Draw& d = draws_[first];
+  const auto number = static_cast<std::size_t>(d.primitive);
+  auto found = corners_.find(number);
+  if (found == corners_.end()) {
+    const int mesh = scene.nodes[static_cast<std::size_t>(d.node)].mesh;
+    const Primitive& primitive = scene.meshes[static_cast<std::size_t>(mesh)].primitives[d.part];
+    found = corners_.emplace(number, upload(unshared(primitive), primitives_[number].middle)).first;
+  }
+  bind_draw(found->second, first);
+  glDrawElementsInstanced(GL_TRIANGLES, found->second.index_count, GL_UNSIGNED_INT, nullptr,
+                          static_cast<GLsizei>(count));
 }
 
 void GpuScene::draw(std::size_t draw, const GpuTriangles& triangles) const {
-  bind_draw(draw);
+  bind_draw(primitives_[static_cast<std::size_t>(draws_[draw].primitive)], draw);
   // The vertex array holds the primitive's own indices.
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, triangles.indices);
   glDrawElementsInstanced(GL_TRIANGLES, triangles.index_count, GL_UNSIGNED_INT, nullptr, 1);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -100,6 +101,9 @@ class GpuScene {
   void bind_material(const GpuMaterial& material, const gl::Program& program) const;
   /// Draws `count` neighbours in draws(), all of one primitive and side, with the program in use.
   void draw(std::size_t first, std::size_t count = 1) const;
+  /// The same with vertices of its own for each triangle, three after the other in the order of the scene that was
+  /// given last: gl_VertexID tells which triangle and which corner.
+  void draw_corners(const Scene& scene, std::size_t first, std::size_t count);
   /// Some triangles of one draw.
   void draw(std::size_t draw, const GpuTriangles& triangles) const;
   bool are_alike(std::size_t a, std::size_t b) const {
@@ -107,7 +111,8 @@ class GpuScene {
   }
 
  private:
-  GpuPrimitive upload(const Primitive& primitive) const;
+  /// Vertices are relative to `middle`, or without one to that of the bounds.
+  GpuPrimitive upload(const Primitive& primitive, std::optional<vec3> middle = std::nullopt) const;
   void set_meshes(const Scene& scene);
   void find_attributes();
   void find_alpha_modes(const Scene& scene);
@@ -116,12 +121,13 @@ class GpuScene {
   AlphaRange alpha_of(const Scene& scene, const Material& material);
   void add_draws(const Scene& scene);
   void place_draws(const Scene& scene);
-  void bind_draw(std::size_t first) const;
+  void bind_draw(const GpuPrimitive& primitive, std::size_t first) const;
   GLuint texture_for(const Scene& scene, const TextureSource& source, Diagnostics& diagnostics);
   GLuint sampler_for(const Texture& texture);
 
   shade::ShadingModel model_;
   std::vector<GpuPrimitive> primitives_;
+  std::map<std::size_t, GpuPrimitive> corners_;      ///< of those that draw_corners() has drawn
   std::vector<std::size_t> first_primitive_;         ///< of each mesh
   std::vector<std::shared_ptr<const void>> meshes_;  ///< identities of those that primitives_ are of
   std::vector<GpuMaterial> materials_;

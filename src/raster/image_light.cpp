@@ -164,7 +164,11 @@ bool uses_sheen(const Scene& scene) {
 }
 
 bool is_lit_from_far(const Environment& environment) {
-  return environment.intensity > 0.0f && (environment.map != nullptr || max_component(environment.constant) > 0.0f);
+  const auto is_black = [](const Image& map) {
+    return std::all_of(map.pixels.begin(), map.pixels.end(), [](float v) { return !(v > 0.0f); });
+  };
+  return environment.intensity > 0.0f &&
+         (max_component(environment.constant) > 0.0f || (environment.map != nullptr && !is_black(*environment.map)));
 }
 
 BakedLight bake_light(const Environment& environment, bool wants_sheen, const std::filesystem::path& cache) {

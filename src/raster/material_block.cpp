@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "raster/opacity.h"
+#include "scene/cutoff.h"
 #include "scene/material_table.h"
 #include "scene/surface_params.h"
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "scene/cutoff.h"
+
 namespace candela::raster {
 
 namespace {

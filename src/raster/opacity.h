@@ -24,8 +24,4 @@ AlphaRange alpha_of_vertices(const Primitive& primitive);
 /// As what a surface has to be drawn whose alpha lies in `range`: opaque where nothing of it can be missing.
 AlphaMode drawn_mode(const Material& material, const AlphaRange& range);
 
-/// An alpha that equals its cutoff is not cut out, whatever became of it in a texture and between vertices: a quarter
-/// of a step of 8 bits.
-inline float drawn_cutoff(float alpha_cutoff) { return alpha_cutoff - 0.25f / 255.0f; }
-
 }  // namespace candela::raster

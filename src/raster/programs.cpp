@@ -11,6 +11,7 @@
 #include "raster/material_block.h"
 #include "raster/opacity.h"
 #include "raster/shader_files.h"
+#include "scene/cutoff.h"
 
 namespace candela::raster {
 
@@ -88,8 +89,8 @@ std::string parts_text() {
 /// whole is drawn by both, so that none of it falls between two roundings.
 std::string blend_text() {
   return define("ALPHA_BLEND") +
-         fmt::format("#define kOpaqueAlpha {:.6f}\n#define kWholeAlpha {:.6f}\n", kOpaqueAlpha,
-                     0.25f * kOpaqueAlpha + 0.75f) +
+         fmt::format("#define kOpaqueAlpha {:.6f}\n#define kWholeAlpha {:.6f}\n#define kOpacityOfLayers {:.6f}\n",
+                     kOpaqueAlpha, 0.25f * kOpaqueAlpha + 0.75f, kOpacityOfLayers) +
          "#define kLeastAlpha 0.001\n";
 }
 
@@ -140,6 +141,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
       text += define(name, i);
     }
     text += define("SHOW", static_cast<int>(pass.quantity));
+    add(pass.is_map, "SURFACE_MAP");
   }
   return text;
 }
@@ -248,6 +250,7 @@ const gl::Program& Programs::depth(const MaterialKey& material, DepthPass pass, 
     if (key.alpha_mode == AlphaMode::blend) text += blend_text();
     if (pass == DepthPass::solid) text += define("OPAQUE_PART");
     if (pass == DepthPass::next_layer) text += define("BEYOND_LAST_LAYER");
+    if (pass == DepthPass::first_veil) text += define("AT_LAST_LAYER");
     if (pass == DepthPass::first_veil || pass == DepthPass::passing_veil) text += define("HAS_PASSING");
     if (is_shadow) text += define("IS_SHADOW");
     program = compile("depth.vert.glsl", "depth.frag.glsl", text, false);

@@ -58,6 +58,7 @@ struct PassKey {
   bool is_in_body = false;      ///< the eye is in a body that absorbs
   BlendPart blend_part = BlendPart::all;
   Quantity quantity = Quantity::light;  ///< light, or one of a surface
+  bool is_map = false;                  ///< with Quantity::object_id: which draw, which triangle, and where in it
 
   auto operator<=>(const PassKey&) const = default;  // NOLINT(modernize-use-nullptr): there is none
 };
@@ -73,7 +74,7 @@ enum class DepthPass {
   solid,  ///< depth of what is there as far as light is concerned: masks cut out, of blended surfaces the opaque part
   first_layer,   ///< depth of blended surfaces where something shows through
   next_layer,    ///< the same beyond the depth of `last_layer`
-  first_veil,    ///< as first_layer, and the share of light that passes
+  first_veil,    ///< the share of light that passes those at the depth of `last_layer`
   passing_veil,  ///< the share alone
 };
 

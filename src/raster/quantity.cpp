@@ -11,10 +11,10 @@ namespace candela::raster {
 namespace {
 
 constexpr std::array<std::string_view, kQuantityCount> kNames = {
-    "light",     "albedo",   "normal",    "depth",    "position",  "id",        "base-color", "metallic",
-    "roughness", "facet",    "tangent",   "uv",       "uv1",       "occlusion", "opacity",    "facing",
-    "mips",      "cascades", "overdraw",  "diffuse",  "specular",  "coat",      "sheen",      "transmission",
-    "ambient",   "direct",   "one-light", "emission", "luminance", "non-finite"};
+    "light",        "albedo",    "normal",   "depth",     "distance", "position",  "id",        "base-color",
+    "metallic",     "roughness", "facet",    "tangent",   "uv",       "uv1",       "occlusion", "opacity",
+    "facing",       "mips",      "cascades", "overdraw",  "diffuse",  "specular",  "coat",      "sheen",
+    "transmission", "ambient",   "direct",   "one-light", "emission", "luminance", "non-finite"};
 
 }  // namespace
 
@@ -34,7 +34,9 @@ bool shows_numbers(Quantity quantity) {
   return is_of_surface(quantity) || quantity == Quantity::luminance || quantity == Quantity::non_finite;
 }
 
-Quantity quantity_of(Layer layer) { return parse_quantity(layer_name(layer)); }
+Quantity quantity_of(Layer layer) {
+  return layer == Layer::camera_normal ? Quantity::normal : parse_quantity(layer_name(layer));
+}
 
 int parts_of(Quantity quantity) {
   switch (quantity) {

@@ -14,7 +14,8 @@ enum class Quantity {
   light,
   albedo,
   normal,
-  depth,
+  depth,     ///< along the view
+  distance,  ///< from the eye
   position,
   object_id,
   base_color,
@@ -53,6 +54,7 @@ Quantity parse_quantity(std::string_view name);
 bool is_of_surface(Quantity quantity);
 /// Whether its picture is shown as it is, without exposure and tone curve.
 bool shows_numbers(Quantity quantity);
+/// Of a layer that has a mean.
 Quantity quantity_of(Layer layer);
 
 /// Bits of what adds up to the light of a surface.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <future>
 #include <limits>
+#include <map>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -14,6 +15,7 @@
 #include "raster/renderer.h"
 #include "raster/targets.h"
 #include "scene/environment.h"
+#include "scene/surface_layers.h"
 #include "shade/lens.glsl.h"
 #include "shade/surface_params.glsl.h"
 
@@ -31,6 +33,13 @@ vec4 lattice_point(int i) {
     point[k] = static_cast<float>(std::fmod(0.5 + kSteps[static_cast<std::size_t>(k)] * i, 1.0));
   }
   return point;
+}
+
+/// Of the first `count` points, in their first two dimensions: jitter about it does not move the picture.
+vec2 middle_of_lattice(int count) {
+  dvec2 sum(0.0);
+  for (int i = 0; i < count; ++i) sum += dvec2(vec2(lattice_point(i)));
+  return vec2(sum / static_cast<double>(count));
 }
 
 /// A point of every light for a frame of several: the same lattice of three dimensions, the root of x⁴ = x + 1.
@@ -71,7 +80,9 @@ std::uint64_t picture_bytes(const Settings& settings) {
   const auto samples = static_cast<std::uint64_t>(settings.msaa);
   const std::uint64_t through =
       settings.background == Background::transparent && !settings.environment_in_glass ? samples * 8 + 8 + 48 : 0;
-  return pixels * (samples * 12 + 24 + 48 + 48 + through + film_bytes_per_pixel(settings.layers));
+  return pixels * (samples * 12 + 24 + 48 + 48 + through + film_bytes_per_pixel(settings.layers) +
+                   (has_centre_layer(settings.layers) || settings.has_masks ? sizeof(SurfaceSample) + 16 : 0) +
+                   settings.mattes.size() * (sizeof(std::vector<Matte>) + 10 * sizeof(Matte)));
 }
 
 namespace {
@@ -90,6 +101,7 @@ void scale_numbers(Quantity quantity, const Box3& bounds, Image& picture) {
       case Quantity::position:
         return (v - bounds.lower) / size;
       case Quantity::depth:
+      case Quantity::distance:
         return v / (2.0f * glm::length(size));
       case Quantity::object_id: {
         const std::uint32_t h = hash_combine(static_cast<std::uint32_t>(v.x), 1);
@@ -292,6 +304,8 @@ class Drawer::Impl {
   void draw_mirrored(const View& view, vec2 jitter, vec2 lens, int frame, LightPoint point);
   void show_ground(const FrameCamera& camera, Image& picture, Image& through) const;
   void prepare(const View& view, const Settings& settings, Statistics& s);
+  void add_layers(const View& view, Film& film);
+  int add_to_mattes(const View& view, int frame, std::map<MatteKind, MatteSums>& mattes);
   Film draw_frames(View view, const MomentOf& moment, const Job& job, Statistics& s);
   void tell_warnings(const Job& job);
 
@@ -396,15 +410,55 @@ void Drawer::Impl::show_ground(const FrameCamera& camera, Image& picture, Image&
   });
 }
 
+/// What is at the centres of pixels, and means as far as one sample is one.
+void Drawer::Impl::add_layers(const View& view, Film& film) {
+  check_numbers(*scene_, settings_.layers);
+  for (const Layer layer : settings_.layers) {
+    if (!layer_info(layer).has_mean) continue;
+    film.layers[layer] = renderer_->read_layer(view, layer);
+    if (layer == Layer::camera_normal) turn_to_camera(view, film.layers[layer]);
+  }
+  if (settings_.has_masks) film.masks = renderer_->read_masks(view);
+  if (!has_centre_layer(settings_.layers)) return;
+  SurfaceMap map = renderer_->read_surfaces(view);
+  add_surface_layers(*scene_, view, map, settings_.layers, film);
+  if (settings_.layers.contains(Layer::motion)) film.surfaces = std::move(map);
+}
+
+/// A frame's share of the mattes: as many places of each pixel as make enough over all frames. Returns how many.
+int Drawer::Impl::add_to_mattes(const View& view, int frame, std::map<MatteKind, MatteSums>& mattes) {
+  constexpr int kLeast = 16;
+  const int count = (kLeast + settings_.frames - 1) / settings_.frames;
+  const vec2 middle = middle_of_lattice(count * settings_.frames);
+  for (int k = 0; k < count; ++k) {
+    const vec4 u = lattice_point(frame * count + k);
+    const vec2 lens = settings_.frames > 1 ? sample_aperture(view.lens, {u.z, u.w}) : vec2(0.0f);
+    const SurfaceMap map = renderer_->read_surfaces(view, vec2(u) - middle, lens);
+    for (std::size_t i = 0; i < map.pixels.size(); ++i) {
+      const SurfaceSample& s = map.pixels[i];
+      if (s.node < 0) continue;
+      for (auto& [kind, sums] : mattes) {
+        const int number = kind == MatteKind::object ? s.node : material_of(*scene_, s);
+        sums.add(i, static_cast<std::uint32_t>(number), 1.0f);
+      }
+    }
+  }
+  return count;
+}
+
 /// The mean of a picture's frames, or of those that are drawn when it has to end.
 Film Drawer::Impl::draw_frames(View view, const MomentOf& moment, const Job& job, Statistics& s) {
   const int frames = settings_.frames;
   const bool is_still = frames > 1;
   const float share = 1.0f / static_cast<float>(frames);
+  const vec2 middle = middle_of_lattice(frames);
   const Stopwatch watch;
   double next_report_s = 0.0;
   Film film;
   film.beauty = Image(settings_.width, settings_.height, 4);
+  std::map<MatteKind, MatteSums> mattes;
+  for (const MatteKind kind : settings_.mattes) mattes.emplace(kind, MatteSums(settings_.width, settings_.height));
+  int matte_samples = 0;
   Image through;
   for (int frame = 0; frame < frames && !s.interrupted; ++frame) {
     if (moment && frame > 0) {
@@ -413,9 +467,10 @@ Film Drawer::Impl::draw_frames(View view, const MomentOf& moment, const Job& job
       set_scene(now.scene);
     }
     const vec4 u = lattice_point(frame);
-    const vec2 jitter = is_still ? vec2(u) - 0.5f : vec2(0.0f);
+    const vec2 jitter = is_still ? vec2(u) - middle : vec2(0.0f);
     const vec2 lens = is_still ? sample_aperture(view.lens, {u.z, u.w}) : vec2(0.0f);
     if (moment || (is_still && renderer_->has_extended_lights())) renderer_->begin(view, light_point(frame, frames));
+    if (frame == 0) add_layers(view, film);
     const Stopwatch drawing;
     if (shows_ground() && scene_->ground->mirror > 0.0f) {
       draw_mirrored(view, jitter, lens, frame + 1, is_still ? light_point(frame, frames) : LightPoint(0.5f));
@@ -437,6 +492,7 @@ Film Drawer::Impl::draw_frames(View view, const MomentOf& moment, const Job& job
       if (std::isfinite(behind.pixels[i])) through.pixels[i] += share * behind.pixels[i];
     }
     add_frame(picture, share, settings_.quantity, film.beauty, s.non_finite_pixels);
+    if (!mattes.empty()) matte_samples += add_to_mattes(view, frame, mattes);
     ++s.frames;
     constexpr double kReportEvery = 0.1;  // seconds
     if (job.progress && watch.seconds() >= next_report_s) {
@@ -457,10 +513,13 @@ Film Drawer::Impl::draw_frames(View view, const MomentOf& moment, const Job& job
   if (shows_ground() && settings_.background == Background::environment) {
     show_background(frame_camera(view, settings_.width, settings_.height, {}), environment_, film);
   }
-  apply_vignetting(view, film.beauty);
+  if (!is_of_surface(settings_.quantity)) apply_vignetting(view, film.beauty);
   scale_numbers(settings_.quantity, renderer_->scene().bounds(), film.beauty);
   if (settings_.quantity == Quantity::luminance) show_false_colors(film.beauty);
-  for (const Layer layer : settings_.layers) film.layers[layer] = renderer_->read_layer(view, layer);
+  for (const auto& [kind, sums] : mattes) {
+    film.mattes[kind] = sums.mattes([&](std::size_t) { return 1.0f / static_cast<float>(matte_samples); });
+    film.mattes[kind].names = matte_names(*scene_, kind);
+  }
   return film;
 }
 

@@ -41,6 +41,9 @@ struct Settings {
   int most_textures = 0;                ///< that a shader reads at once; 0: the driver's limit. The minimum is 16
   int shown_light = 0;                  ///< for Quantity::one_light; the strongest is 0
   std::set<Layer> layers{};
+  std::set<MatteKind>
+      mattes{};            ///< Film::mattes has these: means over the frames, and over as many more as make sixteen
+  bool has_masks = false;  ///< Film::masks
   std::filesystem::path cache{};  ///< folder of baked environments; empty = none are kept
   std::string shader_folder{};    ///< with shaders to use instead of the built-in ones; empty = built-in
 

@@ -334,8 +334,13 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
     const float index = std::max(body.ior, 1.0f);
     glUniform1f(program.uniform("body_share"), 1.0f / (index * index));
   }
-  if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.number + 1));
   gpu_.bind_material(material, program);
+  if (pass.is_map) {
+    glUniform1i(program.uniform("first_draw"), static_cast<GLint>(first));
+    gpu_.draw_corners(*scene_, first, count);
+    return;
+  }
+  if (pass.quantity == Quantity::object_id) glUniform1f(program.uniform("object_id"), static_cast<float>(d.number + 1));
   gpu_.draw(first, count);
 }
 
@@ -374,8 +379,8 @@ void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKe
     const bool is_blended = pass.blend_part == BlendPart::rest;
     // What may be drawn in any order goes together with its neighbours.
     const bool is_sorted = (is_blended && is_slice_deep_) || material.is_transmissive() ||
-                           pass.quantity == Quantity::object_id || (pass.has_areas && own_areas_[i] != 0) ||
-                           pass.has_probes;
+                           (pass.quantity == Quantity::object_id && !pass.is_map) ||
+                           (pass.has_areas && own_areas_[i] != 0) || pass.has_probes;
     std::size_t first = i, end = i + 1;
     while (!is_sorted && first > 0 && is_wanted[first - 1] && gpu_.are_alike(first - 1, i)) --first;
     while (!is_sorted && end < is_wanted.size() && is_wanted[end] && gpu_.are_alike(end, i)) ++end;

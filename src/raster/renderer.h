@@ -50,8 +50,12 @@ class Renderer {
   void present(ivec2 size, float exposure, ToneCurve tone_curve);
   /// Frames of another size from here on.
   void resize(int width, int height);
-  /// One quantity of the first surface at each pixel's centre; 0 where there is none (depth: infinity).
+  /// A layer that has a mean, as the first surface at each pixel's centre has it.
   Image read_layer(const View& view, Layer layer);
+  /// What is at each pixel's centre; see frame_camera for `jitter` and `aperture`.
+  SurfaceMap read_surfaces(const View& view, vec2 jitter = vec2(0.0f), vec2 aperture = vec2(0.0f));
+  /// Where each node would be, were nothing before it.
+  std::vector<InstanceMask> read_masks(const View& view);
 
   const GpuScene& scene() const { return gpu_; }
   Programs& programs() { return programs_; }
@@ -109,6 +113,9 @@ class Renderer {
   void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
   void bind_probe(std::size_t draw, const gl::Program& program);
   void draw_quantity(Quantity quantity, const FrameCamera& camera);
+  Target make_float_target() const;
+  void clear_floats(float value) const;
+  void draw_map(const std::vector<std::size_t>& draws, const FrameCamera& camera);
   void draw_some(std::size_t first, std::size_t count, const PassKey& pass);
   void resolve(GLuint framebuffer);
   void resolve_through();

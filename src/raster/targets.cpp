@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 
 #include "raster/renderer.h"
+#include "scene/surface_layers.h"
 
 namespace candela::raster {
 
@@ -35,7 +38,8 @@ void Renderer::make_targets() {
   const int samples = std::min(settings_.msaa, most_samples) <= 1 ? 0 : std::min(settings_.msaa, most_samples);
 
   // Half floats end at 65504, which lengths may exceed.
-  const bool is_length = settings_.quantity == Quantity::position || settings_.quantity == Quantity::depth;
+  const bool is_length = settings_.quantity == Quantity::position || settings_.quantity == Quantity::depth ||
+                         settings_.quantity == Quantity::distance;
   const GLenum format = is_length && gl::has_extension("GL_EXT_color_buffer_float") ? GL_RGBA32F : GL_RGBA16F;
   glBindRenderbuffer(GL_RENDERBUFFER, target_.color);
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, w, h);
@@ -162,9 +166,8 @@ void Renderer::resize(int width, int height) {
   make_occlusion_targets();
 }
 
-Image Renderer::read_layer(const View& view, Layer layer) {
-  const FrameCamera camera = frame_camera(relative(view), settings_.width, settings_.height, range_);
-  bind_frame(camera);
+/// For numbers, without samples.
+Renderer::Target Renderer::make_float_target() const {
   Target target;
   glBindRenderbuffer(GL_RENDERBUFFER, target.color);
   glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, settings_.width, settings_.height);
@@ -174,29 +177,92 @@ Image Renderer::read_layer(const View& view, Layer layer) {
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
   check_framebuffer("floats");
+  return target;
+}
+
+/// Of the target that is bound, all channels but alpha; then it is ready to be drawn into.
+void Renderer::clear_floats(float value) const {
   glViewport(0, 0, settings_.width, settings_.height);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  const float nothing = layer_info(layer).nothing;
-  const std::array<float, 4> clear = {nothing, nothing, nothing, 0.0f};
+  const std::array<float, 4> clear = {value, value, value, 0.0f};
   glClearBufferfv(GL_COLOR, 0, clear.data());
   glClearDepthf(1.0f);
   glClear(GL_DEPTH_BUFFER_BIT);
+}
+
+Image Renderer::read_layer(const View& view, Layer layer) {
+  const FrameCamera camera = frame_camera(relative(view), settings_.width, settings_.height, range_);
+  bind_frame(camera);
+  const Target target = make_float_target();
+  clear_floats(layer_info(layer).nothing);
   draw_quantity(quantity_of(layer), camera);
   const Image rgba = read_pixels(settings_.width, settings_.height);
-  const int channels = layer_channels(layer);
-  Image image(settings_.width, settings_.height, channels);
-  for (std::size_t i = 0; i < rgba.pixels.size() / 4; ++i) {
-    for (int c = 0; c < channels; ++c) {
-      // A position is the world's again.
-      const bool is_place = layer == Layer::position && rgba.pixels[4 * i + 3] > 0.0f;
-      image.pixels[i * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] =
-          rgba.pixels[4 * i + static_cast<std::size_t>(c)] + (is_place ? gpu_.origin()[c] : 0.0f);
-    }
+  Image image(settings_.width, settings_.height, layer_channels(layer));
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) image.set_rgb(x, y, rgba.rgb(x, y));
   }
   return image;
+}
+
+void Renderer::draw_map(const std::vector<std::size_t>& draws, const FrameCamera& camera) {
+  PassKey pass;
+  pass.quantity = Quantity::object_id;
+  pass.is_map = true;
+  clear_floats(0.0f);
+  draw_surfaces(draws, pass, camera);
+}
+
+SurfaceMap Renderer::read_surfaces(const View& view, vec2 jitter, vec2 aperture) {
+  const FrameCamera camera = frame_camera(relative(view), settings_.width, settings_.height, range_, jitter, aperture);
+  bind_frame(camera);
+  const Target target = make_float_target();
+  std::vector<std::size_t> all(gpu_.draws().size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  draw_map(all, camera);
+  const Image rgba = read_pixels(settings_.width, settings_.height);
+  gl::check("drawing numbers");
+  SurfaceMap map(settings_.width, settings_.height);
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      const auto found = rgba.at(x, y);
+      if (found[0] <= 0.0f) continue;
+      const Draw& draw = gpu_.draws()[static_cast<std::size_t>(found[0]) - 1];
+      SurfaceSample& s = map.at(x, y);
+      s.node = draw.node;
+      s.primitive = static_cast<int>(draw.part);
+      s.triangle = static_cast<std::uint32_t>(found[1]);
+      s.barycentric = {found[2], found[3]};
+      s.position = position_at(*scene_, s.node, s.primitive, s.triangle, s.barycentric);
+      s.uv = uv_at(*scene_, s.node, s.primitive, s.triangle, s.barycentric);
+    }
+  }
+  return map;
+}
+
+std::vector<InstanceMask> Renderer::read_masks(const View& view) {
+  const FrameCamera camera = frame_camera(relative(view), settings_.width, settings_.height, range_);
+  bind_frame(camera);
+  const Target target = make_float_target();
+  std::map<int, std::vector<std::size_t>> draws_of;
+  for (std::size_t i = 0; i < gpu_.draws().size(); ++i) {
+    const Draw& draw = gpu_.draws()[i];
+    if (!is_outside(camera.clip_from_world, draw.bounds)) draws_of[draw.node].push_back(i);
+  }
+  MaskBuilder masks;
+  for (const auto& [node, draws] : draws_of) {
+    draw_map(draws, camera);
+    const Image rgba = read_pixels(settings_.width, settings_.height);
+    for (int y = 0; y < rgba.height; ++y) {
+      for (int x = 0; x < rgba.width; ++x) {
+        if (rgba.at(x, y)[0] > 0.0f) masks.add(node, {x, y});
+      }
+    }
+  }
+  gl::check("drawing masks");
+  return masks.build();
 }
 
 }  // namespace candela::raster

@@ -79,13 +79,26 @@ Extent::Extent(const Scene& scene) : bounds_(world_bounds(scene)) {
   }
 }
 
-Extent::Extent(const std::vector<vec3>& points) : own_points_(std::make_shared<const std::vector<vec3>>(points)) {
+Extent::Extent(const std::vector<vec3>& points) {
+  const auto own = std::make_shared<const std::vector<vec3>>(points);
+  own_points_.push_back(own);
   for (const vec3 p : points) bounds_.extend(p);
-  add_groups(own_points_->data(), own_points_->size());
+  add_groups(own->data(), own->size());
   place(glm::dmat4(1.0), 0, groups_.size());
 }
 
 Extent::Extent(const Box3& box) : Extent(corners_of(box)) {}
+
+void Extent::add(const Extent& other) {
+  const std::size_t first = groups_.size();
+  groups_.insert(groups_.end(), other.groups_.begin(), other.groups_.end());
+  for (Placed placed : other.placed_) {
+    placed.first_group += first, placed.end_group += first;
+    placed_.push_back(placed);
+  }
+  own_points_.insert(own_points_.end(), other.own_points_.begin(), other.own_points_.end());
+  bounds_.extend(other.bounds_);
+}
 
 std::optional<dvec3> Extent::farthest(dvec3 direction, double& best) const {
   std::optional<dvec3> found;
@@ -188,6 +201,15 @@ Axes axes_of(const Orbit& orbit) {
   return {right, glm::cross(back, right), back};
 }
 
+}  // namespace
+
+double least_size(dvec3 center) {
+  constexpr double kSmallest = 1e-9, kRounding = 4.0 * 0x1p-23;  // metres; of single precision, there
+  return kSmallest + kRounding * glm::length(center);
+}
+
+namespace {
+
 /// Extent relative to a point, of all its positions on a turntable together, and never without a size.
 class Subject {
  public:
@@ -199,7 +221,7 @@ class Subject {
       turns_.emplace_back(std::cos(angle), std::sin(angle));
     }
     size_ = static_cast<double>(glm::length(extent.bounds().size()));
-    const double least = 1e-5 + 1e-5 * glm::length(center_);
+    const double least = least_size(center_);
     ball_ = size_ < least ? least : 0.0;
     size_ = std::max(size_, least);
   }
@@ -299,8 +321,15 @@ View frame(const Extent& extent, const Framing& framing) {
   return view;
 }
 
-View frame_box(const Box3& box, float aspect, float yfov, const Orbit& orbit) {
-  return frame(Extent(box), {.orbit = orbit, .aspect = aspect, .yfov = yfov, .margin = 0.04f});
+View moved_to(const View& framed, vec3 center, const Orbit& orbit) {
+  const dvec3 eye = dvec3(framed.world_from_camera[3]) - dvec3(center);
+  const dvec3 local = glm::transpose(glm::dmat3(framed.world_from_camera)) * eye;
+  const Axes axes = axes_of(orbit);
+  const double distance = local.z * static_cast<double>(orbit.distance_scale);
+  View view =
+      placed_view(axes, dvec3(center) + local.x * axes.right + local.y * axes.up + distance * axes.back, distance);
+  view.projection = framed.projection;
+  return view;
 }
 
 }  // namespace candela

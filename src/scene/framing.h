@@ -14,6 +14,9 @@
 /// Cameras that show a subject as a whole, neither too large nor too small: fitted to its silhouette.
 namespace candela {
 
+/// What is smaller is framed as if it had this size, metres: about what single precision tells apart around `center`.
+double least_size(dvec3 center);
+
 /// How far things reach in any direction, exactly: the support function of their vertices. Vertices are kept in groups
 /// with a box each, so that most are never looked at.
 class Extent {
@@ -23,6 +26,8 @@ class Extent {
   explicit Extent(const std::vector<vec3>& points);
   explicit Extent(const Box3& box);
 
+  /// That of both. Reads what `other` reads.
+  void add(const Extent& other);
   bool empty() const { return bounds_.empty(); }
   const Box3& bounds() const { return bounds_; }
   /// Largest dot(p, direction) of a vertex p; -infinity of nothing.
@@ -46,7 +51,7 @@ class Extent {
   void add_groups(const vec3* points, std::size_t count);
   void place(const glm::dmat4& world_from_points, std::size_t first_group, std::size_t end_group);
 
-  std::shared_ptr<const std::vector<vec3>> own_points_;
+  std::vector<std::shared_ptr<const std::vector<vec3>>> own_points_;
   std::vector<Group> groups_;
   std::vector<Placed> placed_;
   Box3 bounds_;
@@ -92,7 +97,8 @@ struct Framing {
 /// metres about the origin is framed.
 View frame(const Extent& extent, const Framing& framing);
 
-/// The same of a box with a margin of 4 %, for a subject that is turned while one looks: the box stays what it is.
-View frame_box(const Box3& box, float aspect, float yfov, const Orbit& orbit = {});
+/// What a framed view becomes when one goes on from its orbit to another about `center`, without coming nearer or
+/// farther but by `orbit.distance_scale`. The first must have a scale of 1.
+View moved_to(const View& framed, vec3 center, const Orbit& orbit);
 
 }  // namespace candela

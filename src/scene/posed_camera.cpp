@@ -40,15 +40,19 @@ View view_of_matrix(const CameraMatrix& matrix, const mat4& world_from_camera) {
   return view;
 }
 
+glm::dmat3 camera_rotation(const View& view) {
+  const glm::dmat3 axes(view.world_from_camera);
+  const dvec3 right = glm::normalize(axes[0]);
+  const dvec3 back = glm::normalize(glm::cross(axes[0], axes[1]));
+  return {right, glm::cross(back, right), back};
+}
+
 RigidCamera matrix_of_view(const View& view, ivec2 size) {
   const auto* perspective = std::get_if<PerspectiveCamera>(&view.projection);
   if (perspective == nullptr) throw Error("an orthographic camera has no K");
   const glm::dmat4 given(view.world_from_camera);
-  const dvec3 right = glm::normalize(dvec3(given[0]));
-  const dvec3 back = glm::normalize(glm::cross(dvec3(given[0]), dvec3(given[1])));
-  const dvec3 up = glm::cross(back, right);
   // The linear part is the rotation times a matrix with nothing below its diagonal.
-  const glm::dmat3 rotation(right, up, back);
+  const glm::dmat3 rotation = camera_rotation(view);
   const glm::dmat3 upper = glm::transpose(rotation) * glm::dmat3(given);
   const double f = upper[2][2];
   const double half_y = std::tan(0.5 * static_cast<double>(perspective->yfov));

@@ -14,6 +14,7 @@ struct PosedCamera {
   View view = {};             ///< adapted to the aspect of `size`
   std::optional<ivec2> size;  ///< of the picture that it is for, where the list says so
   std::string picture = {};   ///< its file, as lists name it; may be empty
+  std::string depth = {};     ///< of its depths, likewise
 };
 
 /// A pinhole camera of the computer vision kind: x = K (X / Z), with x in pixels from the picture's top left corner
@@ -34,6 +35,9 @@ struct RigidCamera {
   glm::dmat4 world_from_camera{1.0};
 };
 RigidCamera matrix_of_view(const View& view, ivec2 size);
+
+/// The rotation of that pose, of any view: columns are right, up and backwards in world space.
+glm::dmat3 camera_rotation(const View& view);
 
 /// A matrix that moves and turns, without the scale that it may have as well. Throws Error where it is singular, shears
 /// or mirrors.

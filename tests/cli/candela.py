@@ -190,6 +190,21 @@ def variants_gltf():
 
 def png_pixels(path):
     """(width, height, channels, rows of bytes) of an 8-bit PNG; raises for anything that is not whole."""
+    width, height, bits, channels, rows = png_rows(path)
+    assert bits == 8
+    return width, height, channels, rows
+
+
+def png_numbers(path):
+    """(width, height, bits, rows of numbers) of a grey PNG."""
+    width, height, bits, channels, rows = png_rows(path)
+    assert channels == 1
+    size = bits // 8
+    return width, height, bits, [[int.from_bytes(r[size * x : size * (x + 1)], "big") for x in range(width)] for r in rows]
+
+
+def png_rows(path):
+    """(width, height, bits, channels, rows of bytes)."""
     data = pathlib.Path(path).read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n", "no PNG"
     at, packed, header, ended = 8, b"", None, False
@@ -204,21 +219,21 @@ def png_pixels(path):
         at += 12 + size
     assert ended, "cut short"
     width, height, bits, color = header
-    assert bits == 8
     channels = {0: 1, 2: 3, 4: 2, 6: 4}[color]
-    raw, stride, rows = zlib.decompress(packed), width * channels, []
+    step = channels * bits // 8
+    raw, stride, rows = zlib.decompress(packed), width * step, []
     assert len(raw) == height * (stride + 1), "wrong size"
     previous = bytearray(stride)
     for y in range(height):
         kind, *row = raw[y * (stride + 1) : (y + 1) * (stride + 1)]
         row = bytearray(row)
         for i in range(stride):
-            left = row[i - channels] if i >= channels else 0
-            up, corner = previous[i], previous[i - channels] if i >= channels else 0
+            left = row[i - step] if i >= step else 0
+            up, corner = previous[i], previous[i - step] if i >= step else 0
             row[i] = (row[i] + predict(kind, left, up, corner)) & 255
         rows.append(bytes(row))
         previous = row
-    return width, height, channels, rows
+    return width, height, bits, channels, rows
 
 
 def predict(kind, left, up, corner):

@@ -165,6 +165,18 @@ class Variants(CliTest):
                         self.assertEqual(max(range(3), key=lambda c: pixel[c]), color)
                         self.assertGreater(pixel[color], 100)
 
+    def test_a_set_has_the_pictures_that_each_variant_has_alone(self):
+        for engine in ("path", "raster"):
+            with self.subTest(engine=engine):
+                options = ("render", "v.gltf", *TINY, "-q", "--engine", engine, "--views", "front,top", "--env", "sky",
+                           "--exposure", "0")  # fmt: skip
+                self.succeeds(*options, "--variants", "all", "-o", "set-{variant}-{view}.png")
+                for variant in ("noon", "sunset"):
+                    self.succeeds(*options, "--variant", variant, "-o", "one-{view}.png")
+                    for view in ("front", "top"):
+                        alone = (self.folder / f"one-{view}.png").read_bytes()
+                        self.assertEqual(alone, (self.folder / f"set-{variant}-{view}.png").read_bytes(), (variant, view))
+
     def test_what_the_file_has_not_is_told_before_any_picture(self):
         self.fails("render", "v.gltf", *TINY, "--variants", "noon,rain", says="'rain'; the file has: noon, sunset")
         self.fails("render", "demo:spheres", *TINY, "--variants", "all", says="no variants")

@@ -497,6 +497,15 @@ class Bodies(CheckTest):
         asset.join_last_mesh()
         self.clean(asset)
 
+    def test_a_hollow_may_be_a_node_or_a_material_of_its_own(self):
+        for has_own_material in (False, True):
+            asset = self.body(self.glass(thickness=0.3))
+            asset.cube(asset.material(self.glass(thickness=0.3)) if has_own_material else 0, side=0.4, inward=True)
+            self.clean(asset)
+        asset = self.body(self.glass(thickness=0.3))
+        asset.cube(0, side=0.4, inward=True)["translation"] = [3, 0, 0]
+        self.only(asset, "volume-inside-out", "warning")
+
     def test_bodies_of_one_mesh_close_each_other(self):
         asset = self.body(drop=[5])
         asset.cube(asset.material(self.glass()), drop=[0, 1, 2, 3, 4])
@@ -839,6 +848,13 @@ class Filters(CheckTest):
         self.write("new.gltf", self.quad_of(pbr((0.96, 0.96, 0.96))))
         self.assertEqual(self.codes(".", "--baseline", "kept/known.json"), ["albedo-too-bright"])
         self.fails("check", ".", "--baseline", "kept/known.json", "--strict", says="0 errors and 1 warning")
+
+    def test_no_file_that_is_judged_is_overwritten_by_its_findings(self):
+        before = (self.folder / "snow.gltf").read_bytes()
+        self.fails("check", "snow.gltf", "--write-baseline", "./snow.gltf", says="is an input and would be overwritten")
+        self.assertEqual((self.folder / "snow.gltf").read_bytes(), before)
+        self.succeeds("check", "snow.gltf", "--write-baseline", "known.json")
+        self.succeeds("check", "snow.gltf", "--baseline", "known.json", "--write-baseline", "known.json")
 
     def test_what_is_no_baseline_is_one_line(self):
         self.fails("check", ".", "--baseline", "absent.json", says="absent.json: no such file")

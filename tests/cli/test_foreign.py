@@ -462,6 +462,21 @@ class Files(ForeignTest):
             self.fails("render", "a.obj", "-o", name, "--size", "4x4", says="is an input and would be overwritten")
         self.assertEqual({name: (self.folder / name).read_bytes() for name in self.files()}, before)
 
+    def test_what_a_scene_names_to_no_effect_is_not_overwritten_either(self):
+        grey = png(1, 1, lambda x, y: (9, 9, 9, 255))
+        names = {"shine.png": "map_Ns shine.png", "relief.png": "disp -bm 2 relief.png", "a b.png": "refl a b.png"}
+        self.write("a.mtl", "newmtl w\nKd 1 1 1\n" + "\n".join(names.values()) + "\nnewmtl unused\nmap_Kd spare.png\n")
+        self.write("a.obj", obj("w"))
+        self.write("b.ply", "ply\nformat ascii 1.0\ncomment TextureFile shine.png\nelement vertex 3\nproperty float x\nproperty float y\n"
+                            "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                            "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")  # fmt: skip
+        for name in (*names, "spare.png", "not-spare.png"):
+            self.write(name, grey)
+        for scene, name in (*(("a.obj", n) for n in (*names, "spare.png")), ("b.ply", "shine.png")):
+            self.fails("render", scene, "-o", name, "--size", "4x4", "-q", says="is an input and would be overwritten")
+        # A longer name that ends alike is another.
+        self.succeeds("render", "a.obj", "-o", "not-spare.png", "--size", "4x4", "--spp", "1", "-q")
+
     def test_library_in_another_folder_finds_its_own_maps(self):
         self.write("maps/w.mtl", "newmtl w\nmap_Kd wood.png\n")
         self.write("maps/wood.png", png(1, 1, lambda x, y: (9, 9, 9, 255)))

@@ -40,7 +40,7 @@ class Ground(CliTest):
 
     def test_wrong_grounds_are_refused(self):
         for options, why in (
-            (("--ground", "lawn"), "neither shadow, nor mirror:X, nor a colour"),
+            (("--ground", "lawn"), "neither shadow, nor mirror:X; 'lawn' is no colour"),
             (("--ground", "white+mirror:2"), "--ground"),
             (("--ground", "white+shadow"), "mirror:X"),
             (("--ground", "2,2,2"), "no ground reflects more"),

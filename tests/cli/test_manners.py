@@ -51,10 +51,13 @@ class Pictures(CliTest):
     def test_a_webp_is_at_most_16383_pixels_wide(self):
         self.fails(*SPHERES, "--size", "16384x1", "--spp", "1", "-o", "a.webp", says="a.webp: a WebP has at most 16383")
 
-    def background(self, text):
-        self.succeeds(*SPHERES, *TINY, "-o", "a.png", "--background", text)
+    def pixel_of(self, *options):
+        self.succeeds(*SPHERES, *TINY, "-o", "a.png", *options)
         _, _, channels, rows = png_pixels(self.folder / "a.png")
         return tuple(rows[0][:channels])
+
+    def background(self, text):
+        return self.pixel_of("--background", text)
 
     def test_colours_as_css_writes_them(self):
         self.assertEqual(self.background("#fff"), (255, 255, 255))
@@ -65,6 +68,18 @@ class Pictures(CliTest):
         self.assertEqual(self.background("#11aa9980"), (0x11, 0xAA, 0x99, 0x80))
         self.assertEqual(self.background("#1a98"), (0x11, 0xAA, 0x99, 0x88))
         self.assertEqual(self.background("#11aa9900"), (0, 0, 0, 0))
+
+    def test_colours_by_their_names_in_css(self):
+        self.assertEqual(self.background("rebeccapurple"), (0x66, 0x33, 0x99))
+        self.assertEqual(self.background("RebeccaPurple"), (0x66, 0x33, 0x99))
+        self.assertEqual(self.background("grey"), (0x80, 0x80, 0x80))
+        ground = self.pixel_of("--ground", "cornflowerblue")
+        self.assertEqual(ground, (0x64, 0x95, 0xED))
+
+    def test_a_colour_that_has_no_name_is_refused_with_the_nearest(self):
+        self.refuses(*SPHERES, "--background", "rebecapurple", says="--background: 'rebecapurple'.*did you mean rebeccapurple")
+        self.refuses(*SPHERES, "--ground", "whit", says="--ground: .*did you mean white")
+        self.refuses(*SPHERES, "--background", "colourful", says="a name of CSS")
 
     def test_what_covers_a_half_transparent_background_is_opaque(self):
         self.succeeds(*SPHERES, *TINY, "-o", "a.png", "--background", "#ff000080")
@@ -166,6 +181,14 @@ class Sets(CliTest):
 
 
 class Jobs(CliTest):
+    def test_a_job_does_not_overwrite_the_list_that_it_is_of(self):
+        for options in ("-o a.png --stats jobs.txt", "-o a.png --write-cameras ./jobs.json"):
+            name = options.split("/")[-1].split()[-1]
+            result = self.jobs(f"demo:spheres --size 4x4 --spp 1 {options}\n", name=name)
+            self.assertEqual(result.code, 1)
+            self.assertRegex(result.err, "is an input and would be overwritten")
+            self.assertIn("demo:spheres", (self.folder / name).read_text())
+
     def jobs(self, text, *more, name="jobs.txt"):
         (self.folder / name).write_text(text)
         return self.run_candela("render", "--jobs", name, *more)

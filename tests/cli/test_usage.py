@@ -99,6 +99,8 @@ class Usage(CliTest):
             for option, value in {"--exposure": "1", "--tonemap": "agx", "--bloom": "0.1"}.items():
                 self.refuses(*raster, "--view", view, option, value, says=f"{option}: --view shows numbers")
         self.refuses(*raster, "--view", "normal", "--msaa", "2", says="--msaa: --view shows numbers")
+        for option, value in {"--ao": "0.1", "--light-radius": "1", "--ambient": "none", "--probes": "2", "--vignetting": "1"}.items():
+            self.refuses(*raster, "--view", "base-color", option, value, says=f"{option}: --view shows a number of the surface")
         self.refuses(*raster, "--probes", "2", "--ambient", "none", says="--ambient: .*--probes")
         self.refuses(*raster, "--f-number", "2", "--spp", "1", says="--f-number: of one frame")
         bake = ("bake", "sky", "-o", "out")

@@ -126,6 +126,17 @@ std::vector<Bytes> foreign_seeds() {
           io::test::zip_of({{"3D/3dmodel.model", bytes_of(model)}})};
 }
 
+std::vector<Bytes> camera_seeds() {
+  return {
+      bytes_of(R"({"camera_angle_x": 0.8, "w": 640, "h": 480, "frames": [{"file_path": "a.png", "transform_matrix": )"
+               R"([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 3], [0, 0, 0, 1]]}, {"fl_x": 700, "fl_y": 710, "cx": 300, )"
+               R"("cy": 240, "k1": 0, "transform_matrix": [2, 0, 0, 1, 0, 2, 0, 1, 0, 0, 2, 1, 0, 0, 0, 1]}]})"),
+      bytes_of(R"([{"name": "left", "size": [640, 480], "K": [[700, 1, 320], [0, 710, 240], [0, 0, 1]], )"
+               R"("world_from_camera": [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 3], [0, 0, 0, 1]]}, )"
+               R"({"K": [500, 0, 320, 0, 500, 240, 0, 0, 1], "axes": "opengl", "pixel_center": 0, )"
+               R"("world_from_camera": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 3], [0, 0, 0, 1]]}])")};
+}
+
 std::vector<Bytes> seeds_of(const std::string& kind) {
   if (kind == "webp") return test::webp_seeds();
   if (kind == "avif") return test::avif_seeds();
@@ -136,6 +147,7 @@ std::vector<Bytes> seeds_of(const std::string& kind) {
   if (kind == "zip") return zip_seeds();
   if (kind == "ies") return ies_seeds();
   if (kind == "linear") return linear_seeds();
+  if (kind == "cameras") return camera_seeds();
   if (kind == "foreign") return foreign_seeds();
   throw Error("no such corpus", kind);
 }
@@ -145,7 +157,7 @@ std::vector<Bytes> seeds_of(const std::string& kind) {
 /// Writes the files of a kind that fuzzing starts from into the folder given.
 int main(int argc, char** argv) {
   if (argc != 3) {
-    std::cerr << "usage: make_corpus webp|avif|png|jpg|meshopt|draco|zip|ies|linear|foreign FOLDER\n";
+    std::cerr << "usage: make_corpus webp|avif|png|jpg|meshopt|draco|zip|ies|cameras|linear|foreign FOLDER\n";
     return 2;
   }
   try {

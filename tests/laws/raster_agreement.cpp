@@ -438,7 +438,7 @@ TEST_F(law_raster, planes_of_a_camera_cut_what_it_sees_as_in_the_path_tracer) {
           differing += e.pixels[i] == f.pixels[i] || std::abs(e.pixels[i] - f.pixels[i]) < 2e-3f ? 0 : 1;
         }
         EXPECT_LT(differing, static_cast<int>(e.pixels.size()) / 200) << layer_name(layer) << ' ' << planes.x;
-        if (layer != Layer::depth || planes.x == 0.0f) continue;
+        if (layer != Layer::depth || planes.x == 0.0f) continue;  // along the axis, as the planes are
         EXPECT_GE(*std::min_element(e.pixels.begin(), e.pixels.end()), planes.x);
       }
       for (const Image& other : beauties) EXPECT_GT(largest_difference(other, expected.beauty), 0.1);
@@ -468,7 +468,10 @@ TEST_F(law_raster, layers_are_those_of_the_path_tracer) {
   path::Settings traced = centred(kSize, 1, 1);
   raster::Settings settings = drawn(kSize);
   for (const LayerInfo& info : kLayers) traced.layers.insert(info.layer);
+  traced.layers.erase(Layer::motion);  // which takes another moment
   settings.layers = traced.layers;
+  traced.has_masks = settings.has_masks = true;
+  traced.mattes = settings.mattes = {MatteKind::object, MatteKind::material};
   Scene scene = b.build();
   scene.nodes[0].file_index = 41;
   const Film expected = shoot(scene, constant_environment(vec3(1.0f)), sphere_view(), traced);
@@ -484,6 +487,79 @@ TEST_F(law_raster, layers_are_those_of_the_path_tracer) {
     }
     EXPECT_LT(differing, static_cast<int>(e.pixels.size()) / 200) << layer_name(layer);
   }
+  ASSERT_EQ(found.masks->size(), expected.masks->size());
+  for (std::size_t i = 0; i < found.masks->size(); ++i) {
+    const InstanceMask &e = (*expected.masks)[i], &f = (*found.masks)[i];
+    EXPECT_EQ(f.node, e.node);
+    int differing = 0;
+    for (int at = 0; at < kSize * kSize; ++at) {
+      const ivec2 pixel(at % kSize, at / kSize);
+      differing += e.covers(pixel) == f.covers(pixel) ? 0 : 1;
+    }
+    EXPECT_LT(differing, kSize * kSize / 200) << "node " << e.node;
+  }
+  for (const auto& [kind, mattes] : found.mattes) {
+    double sum = 0.0, apart = 0.0;
+    const Mattes& traced_mattes = expected.mattes.at(kind);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(kSize * kSize); ++i) {
+      sum += static_cast<double>(mattes.at(i)[0].coverage);
+      const bool is_same = mattes.at(i)[0].number == traced_mattes.at(i)[0].number;
+      apart += is_same || mattes.at(i)[0].coverage < 0.9f ? 0.0 : 1.0;
+    }
+    EXPECT_GT(sum, 500.0);
+    EXPECT_LT(apart, kSize * kSize / 100.0) << "one sample of the path tracer at the centre";
+    EXPECT_EQ(mattes.names, traced_mattes.names);
+  }
+}
+
+TEST_F(law_raster, faces_and_places_of_relief_shared_and_mirrored_meshes_are_those_of_the_path_tracer) {
+  SceneBuilder b;
+  const int mesh = b.add_mesh(box({-0.5f, -0.4f, -0.3f}, {0.5f, 0.4f, 0.3f}), b.add_material(matte(vec3(0.5f))));
+  b.add_node(mesh, translation({-0.8f, 0.2f, 0}) * rotation({0, 1, 0}, 0.6f));
+  b.add_node(mesh, translation({0.7f, 0, 0}) * scaling({-1, 1, 1}) * rotation({1, 0, 0}, 0.4f));
+  // Points that no triangle uses move the middle of the bounds.
+  Primitive holed = sphere({0, -0.9f, 0.2f}, 0.4f, 2, true);
+  holed.positions.push_back(vec3(50.0f));
+  holed.normals.push_back(vec3(0, 1, 0));
+  holed.uvs[0].push_back(vec2(0.0f));
+  b.add(holed, matte(vec3(0.5f)));
+  path::Settings traced = centred(kSize, 1, 1);
+  raster::Settings settings = drawn(kSize);
+  traced.layers = settings.layers = {Layer::face, Layer::instance, Layer::position, Layer::uv};
+  const Film expected = shoot(b.build(), constant_environment(vec3(1.0f)), sphere_view(), traced);
+  const Film found = draw(b.build(), constant_environment(vec3(1.0f)), sphere_view(), settings);
+  for (const Layer layer : settings.layers) {
+    const Image &e = expected.layers.at(layer), &f = found.layers.at(layer);
+    int differing = 0;
+    for (std::size_t i = 0; i < e.pixels.size(); ++i) differing += std::abs(e.pixels[i] - f.pixels[i]) < 1e-3f ? 0 : 1;
+    EXPECT_LT(differing, static_cast<int>(e.pixels.size()) / 100) << layer_name(layer);
+    EXPECT_GT(*std::max_element(e.pixels.begin(), e.pixels.end()), 0.0f) << layer_name(layer);
+  }
+}
+
+TEST_F(law_raster, several_frames_show_what_one_shows_at_the_same_place) {
+  // Brightness along a card is a straight line, which no even jitter changes.
+  SceneBuilder b;
+  Primitive card = quad({-9, -9, 0}, {18, 0, 0}, {0, 18, 0});
+  for (const vec3& p : card.positions) card.colors.emplace_back(vec3(0.5f) + 0.05f * vec3(p.x, p.y, -p.x), 1.0f);
+  b.add(card, unlit(vec3(1.0f)));
+  raster::Settings settings = drawn(kSize);
+  const Film one = draw(b.build(), dark_environment(), sphere_view(), settings);
+  for (const int frames : {2, 3, 4, 16}) {
+    settings.frames = frames;
+    const Film several = draw(b.build(), dark_environment(), sphere_view(), settings);
+    EXPECT_LT(glm::length(mean_of(several.beauty) - mean_of(one.beauty)), 1e-3) << frames;
+    EXPECT_LT(largest_difference(several.beauty, one.beauty), 2e-3) << frames;
+  }
+}
+
+TEST_F(law_raster, an_environment_that_is_black_is_no_light) {
+  SceneBuilder b;
+  b.add(sphere(vec3(0.0f), 1.0f, 3, false), plastic(vec3(0.5f), 0.5f));
+  Environment black = constant_environment(vec3(0.0f));
+  black.map = std::make_shared<const Image>(8, 4, 3);
+  const Film film = draw(b.build(), black, sphere_view(), drawn(16));
+  EXPECT_EQ(mean_of(film.beauty), dvec3(0.0));
 }
 
 TEST_F(law_raster, colours_of_nodes_are_those_of_the_path_tracer) {
@@ -1015,7 +1091,7 @@ TEST_F(law_raster, animated_skinned_and_morphed_models_stand_alike) {
     const Scene rest = file.scene(diagnostics);
     const Scene scene = file.scene(diagnostics, io::Pose{sample.animation, sample.moment_s});
     const Box3 bounds = world_bounds(scene);
-    const View view = frame_box(bounds, 1.0f, 0.8f);
+    const View view = frame(Extent(bounds), {.yfov = 0.8f, .margin = 0.04f});
     raster::Settings settings = drawn(kSize);
     settings.layers = {Layer::position};
     path::Settings traced;

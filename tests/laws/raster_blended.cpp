@@ -237,6 +237,29 @@ TEST_F(law_raster_blended, veils_dim_what_is_behind_them_alone) {
   }
 }
 
+TEST_F(law_raster_blended, sheets_at_one_place_dim_as_many) {
+  // A leaf of two sides, 10 µm thick or of no thickness, and a third sheet behind it for one half.
+  for (const auto& [light, world] : lamps()) {
+    for (const float apart : {0.0f, 1e-5f}) {
+      SceneBuilder b;
+      b.add(square({0, 0, 0}, 1.0f), matte(vec3(0.8f)));
+      Primitive back = square({0.1f, 0, 0.40f + apart}, 0.3f);
+      for (uvec3& t : back.triangles) std::swap(t.y, t.z);
+      b.add(square({0.1f, 0, 0.40f}, 0.3f), blended(unlit(vec3(0.0f)), 0.5f));
+      b.add(back, blended(unlit(vec3(0.0f)), 0.5f));
+      b.add(square({0.1f, 0.25f, 0.30f}, 0.2f), blended(unlit(vec3(0.0f)), 0.4f));
+      b.add_light(light, world);
+      const View view = ahead(1.0f);
+      const Image expected = shoot(b.build(), dark_environment(), view, settings(kSize, 256, 1)).beauty;
+      const Image found = draw(b.build(), dark_environment(), view, drawn(4)).beauty;
+      for (const vec2 at : {vec2(0.1f, -0.1f), vec2(0.1f, 0.2f), vec2(-0.7f, 0.5f)}) {
+        const Region r = about(at, 0.05f, 1.0f);
+        EXPECT_NEAR(mean_of(found, r).x, mean_of(expected, r).x, 0.02 * mean_of(expected, r).x + 0.005) << at.y;
+      }
+    }
+  }
+}
+
 // ----- order
 
 TEST_F(law_raster_blended, order_is_right_within_a_primitive_and_between) {

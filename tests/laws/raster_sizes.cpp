@@ -124,7 +124,7 @@ TEST_F(law_raster_sizes, a_scene_may_be_small_large_or_far_from_the_origin) {
     for (const Placement& place : places) {
       const bool is_rough = kind == Lamp::bulb && place.in_vertices;  // its corners are at multiples of 1/64 m
       raster::Settings settings = drawn(64);
-      settings.layers = {Layer::position, Layer::depth};
+      settings.layers = {Layer::position, Layer::distance};
       const Film found = draw(shaded_floor(kind, place).build(), dark_environment(), view_of(place), settings);
       EXPECT_LT(share_of_wrong_pixels(expected, found.beauty), is_rough ? 0.02 : 0.005)
           << "lamp " << static_cast<int>(kind) << ", scale " << place.scale << ", at " << place.offset.x << ", "
@@ -132,7 +132,7 @@ TEST_F(law_raster_sizes, a_scene_may_be_small_large_or_far_from_the_origin) {
       // The floor beside the lamp, in the world's numbers.
       const vec3 p = found.layers.at(Layer::position).rgb(8, 48);
       EXPECT_NEAR(p.y, 0.0f, 1e-3f * place.scale);
-      EXPECT_NEAR(found.layers.at(Layer::depth).pixels[48 * 64 + 8], glm::distance(p, place({0, 3, 4})),
+      EXPECT_NEAR(found.layers.at(Layer::distance).pixels[48 * 64 + 8], glm::distance(p, place({0, 3, 4})),
                   0.02f * place.scale);
     }
   }

@@ -30,7 +30,7 @@ class Pictures(Case):
 
     def test_position_is_where_k_and_pose_project_it_to_the_pixel(self):
         for camera in (candela.fit("iso"), candela.look_at((0.3, 0.5, 4.0), (0.2, 0, 0), fov_deg=30)):
-            picture = draw(small_scene(), camera=camera, spp=1, layers=["position", "depth"])
+            picture = draw(small_scene(), camera=camera, spp=1, layers=["position", "depth", "distance"])
             k, pose = picture.camera.K, picture.camera.world_from_camera
             world = picture["position"].reshape(-1, 3)
             seen = (world - pose[:3, 3]) @ pose[:3, :3]
@@ -41,7 +41,9 @@ class Pictures(Case):
             self.assertGreater(hit.sum(), 100)
             expected = numpy.stack([x.ravel() + 0.5, y.ravel() + 0.5], axis=1)
             numpy.testing.assert_allclose(pixels[hit], expected[hit], atol=2e-3)
-            numpy.testing.assert_allclose(numpy.linalg.norm(seen[hit], axis=1), picture["depth"].ravel()[hit], rtol=1e-4)
+            numpy.testing.assert_allclose(seen[hit, 2], picture["depth"].ravel()[hit], rtol=1e-4)
+            far = picture["distance"].ravel()[hit]
+            numpy.testing.assert_allclose(numpy.linalg.norm(seen[hit], axis=1), far, rtol=1e-4)
 
     def test_camera_of_a_picture_takes_the_same_picture(self):
         scene = small_scene()

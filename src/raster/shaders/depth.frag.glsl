@@ -13,12 +13,12 @@ float fetch_opacity() {
 #endif
 #ifdef IS_SHADOW
 in float v_depth;
-#ifdef BEYOND_LAST_LAYER
+#if defined(BEYOND_LAST_LAYER) || defined(AT_LAST_LAYER)
 const float kShadowSlack = 4e-7;  // of a depth: some roundings of a float
 #endif
 #include "veil_depth.glsl"
 #endif
-#ifdef BEYOND_LAST_LAYER
+#if defined(BEYOND_LAST_LAYER) || defined(AT_LAST_LAYER)
 #include "layer_slack.glsl"
 
 uniform highp sampler2D last_layer;
@@ -49,6 +49,10 @@ void main() {
   if (a < kOpaqueAlpha) discard;
 #else
   if (a >= kWholeAlpha || a < kLeastAlpha) discard;
+#endif
+#ifdef AT_LAST_LAYER
+  float first = texelFetch(last_layer, ivec2(gl_FragCoord.xy), 0).x;
+  if (depth + kSlopeSlack * slope + kShadowSlack * depth < first) discard;
 #endif
 #ifdef BEYOND_LAST_LAYER
   float last = texelFetch(last_layer, ivec2(gl_FragCoord.xy), 0).x;

@@ -40,7 +40,10 @@ uniform highp sampler2D screen_visibility;
 uniform highp sampler2D opaque_picture;
 #endif
 
-#if defined(SHOW) && SHOW == SHOW_id
+#ifdef SURFACE_MAP
+flat in ivec2 v_place;
+in vec2 v_corner;
+#elif defined(SHOW) && SHOW == SHOW_id
 uniform float object_id;
 #endif
 
@@ -208,8 +211,8 @@ void main() {
 #endif
 #endif
 #ifdef SHOW
-#if SHOW != SHOW_opacity && SHOW != SHOW_overdraw
-  if (opacity < 0.5) discard;  // shown is what is there for the better part
+#if defined(ALPHA_BLEND) && SHOW != SHOW_opacity && SHOW != SHOW_overdraw
+  if (opacity < kOpacityOfLayers) discard;  // shown is what is there for the better part
 #endif
   o_color = quantity(opacity);
 #else

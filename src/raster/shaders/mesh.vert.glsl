@@ -25,6 +25,11 @@ out vec4 v_color;
 #ifdef HAS_SCALE
 flat out float v_scale;  // of lengths, from object to world
 #endif
+#ifdef SURFACE_MAP
+uniform int first_draw;
+flat out ivec2 v_place;  // which draw, and which of its triangles
+out vec2 v_corner;       // weights of the second and the third
+#endif
 
 void main() {
   vec4 p = vec4(a_position, 1.0);
@@ -45,6 +50,12 @@ void main() {
 #endif
 #ifdef HAS_SCALE
   v_scale = pow(abs(dot(x, cross(y, z))), 1.0 / 3.0);
+#endif
+#ifdef SURFACE_MAP
+  // Every triangle has vertices of its own.
+  int corner = gl_VertexID % 3;
+  v_place = ivec2(first_draw + gl_InstanceID, gl_VertexID / 3);
+  v_corner = vec2(corner == 1, corner == 2);
 #endif
   gl_Position = clip_from_world * vec4(v_position, 1.0);
 }

@@ -11,9 +11,13 @@ const float kPerLevel = 0.1;    // of mips
 
 vec4 quantity(float opacity) {
   bool is_back = !gl_FrontFacing;
-#if SHOW == SHOW_position
+#ifdef SURFACE_MAP
+  return vec4(float(v_place.x + 1), float(v_place.y), v_corner);
+#elif SHOW == SHOW_position
   return vec4(v_position, 1.0);
 #elif SHOW == SHOW_depth
+  return vec4(vec3(dot(eye - v_position, back)), 1.0);
+#elif SHOW == SHOW_distance
   return vec4(vec3(is_perspective > 0.5 ? distance(eye, v_position) : dot(eye - v_position, back)), 1.0);
 #elif SHOW == SHOW_id
   return vec4(vec3(object_id), 1.0);

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include <vector>
+
 #include "base/error.h"
 #include "unit/base/temp_folder.h"
 
@@ -111,7 +113,7 @@ TEST(unit_candela_difference, folders_are_paired_by_the_names_below_them) {
   std::filesystem::create_directories(folder.path() / "b/sub");
   for (const char* name : {"a/sub/x.png", "b/sub/x.png", "a/only.exr"})
     write_film(folder.path() / name, grey(0.5f), {});
-  const std::vector<PicturePair> pairs = picture_pairs(folder.path() / "a", folder.path() / "b");
+  const std::vector<FilePair> pairs = picture_pairs(folder.path() / "a", folder.path() / "b");
   ASSERT_EQ(pairs.size(), 2u);
   EXPECT_EQ(pairs[0].name, "only.exr");
   EXPECT_TRUE(pairs[0].second.empty());
@@ -119,6 +121,60 @@ TEST(unit_candela_difference, folders_are_paired_by_the_names_below_them) {
   EXPECT_EQ(pairs[1].second, folder.path() / "b/sub/x.png");
   std::filesystem::create_directories(folder.path() / "empty");
   EXPECT_THROW(picture_pairs(folder.path() / "empty", folder.path() / "empty"), Error);
+}
+
+Shot small_shot(const std::string& scene) {
+  Shot shot{.scene = scene, .size = {24, 16}, .background = Background::transparent, .views = {"front", "top"}};
+  shot.environment = "studio";
+  shot.traced.samples = 2;
+  return shot;
+}
+
+std::vector<ShotDifference> differences(const Shot& first, const Shot& second) {
+  std::vector<ShotDifference> all;
+  compare_shots(first, second, {}, [&](ShotDifference d) { all.push_back(std::move(d)); });
+  return all;
+}
+
+TEST(unit_candela_difference, a_scene_is_like_itself_in_the_pictures_that_a_take_makes_of_it) {
+  const Shot shot = small_shot("demo:spheres");
+  const std::vector<ShotDifference> all = differences(shot, shot);
+  ASSERT_EQ(all.size(), 2u);
+  std::vector<DisplayImage> pictures;
+  Take(shot).render([&](TakenPicture p) {
+    p.develop.dither = false;
+    pictures.push_back(develop(p.film, p.develop));
+  });
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(all[i].index, i);
+    EXPECT_EQ(all[i].label.view, shot.views[i]);
+    EXPECT_EQ(all[i].difference.flip, 0.0);
+    EXPECT_EQ(all[i].difference.layers.at(0).changed, 0u);
+    EXPECT_EQ(all[i].difference.first.rgba, pictures[i].rgba);
+  }
+}
+
+TEST(unit_candela_difference, two_scenes_are_seen_from_the_same_places_that_show_both) {
+  const Shot small = small_shot("demo:spheres"), large = small_shot("demo:cornell");
+  Take first(small), second(large);
+  second.prepare_beside(first);
+  const Scene a = load(small.scene), b = load(large.scene);
+  Extent both(a);
+  both.add(Extent(b));
+  ASSERT_EQ(first.views().size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const View expected = frame(both, {.orbit = named_orbit(small.views[i]), .aspect = 1.5f});
+    EXPECT_EQ(first.views()[i].world_from_camera, expected.world_from_camera);
+    EXPECT_EQ(second.views()[i].world_from_camera, expected.world_from_camera);
+  }
+  EXPECT_EQ(first.develop().exposure, second.develop().exposure);
+  EXPECT_GT(differences(small, large).at(0).difference.flip, 0.01);
+}
+
+TEST(unit_candela_difference, shots_of_other_pictures_are_refused) {
+  Shot other = small_shot("demo:spheres");
+  other.views = {"front", "left"};
+  EXPECT_THROW(differences(small_shot("demo:spheres"), other), Error);
 }
 
 TEST(unit_candela_difference, the_map_grows_lighter_with_the_error) {

@@ -41,6 +41,7 @@ Film random_film(int width, int height) {
   film.layers[Layer::depth].pixels[0] = std::numeric_limits<float>::infinity();
   film.layers[Layer::position] = test::random_image(width, height, 3, 5);
   film.layers[Layer::object_id] = test::random_image(width, height, 1, 6);
+  for (float& v : film.layers[Layer::object_id].pixels) v = std::round(1000.0f * std::abs(v));
   film.metadata = {
       {"scene", "demo:spheres"}, {"samples", "64"}, {"a name longer than thirty-one characters", "yes"}, {"empty", ""}};
   return film;
@@ -104,7 +105,7 @@ TEST(unit_image_exr, the_header_says_rec709_float_and_the_documented_channels) {
   std::string names;
   for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
     names += std::string(c.name()) + ' ';
-    EXPECT_EQ(c.channel().type, Imf::FLOAT);
+    EXPECT_EQ(c.channel().type, std::string(c.name()) == "id.Y" ? Imf::UINT : Imf::FLOAT);
   }
   EXPECT_EQ(
       names,

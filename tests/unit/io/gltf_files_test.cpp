@@ -27,6 +27,8 @@ constexpr const char* kText = R"({"asset": {"version": "2.0"},
   "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "extras": {"candela": {"ies": "lamp.ies"}}}]},
                  "EXT_lights_ies": {"lights": [{"uri": "other.ies"}]},
                  "VENDOR_thing": {"deep": [[{"uri": "thing.dat"}]]}},
+  "meshes": [{"weights": [0, 1], "primitives": [{"extensions": {"VENDOR_thing": {"uri": "mesh.dat"}}}]}],
+  "accessors": [{"min": [0, 0, 0], "extras": {"uri": "list.dat"}}],
   "nodes": [{"name": "uri", "extras": {"uri": 7}}]})";
 
 TEST(unit_io_gltf_files, every_file_that_a_document_names_is_known_whether_it_is_needed_or_there) {
@@ -36,6 +38,8 @@ TEST(unit_io_gltf_files, every_file_that_a_document_names_is_known_whether_it_is
                                              "a%20map.png#/images/0/uri",
                                              "a.gltf",
                                              "lamp.ies#/extensions/KHR_lights_punctual/lights/0/extras/candela/ies",
+                                             "list.dat#/accessors/0/extras/uri",
+                                             "mesh.dat#/meshes/0/primitives/0/extensions/VENDOR_thing/uri",
                                              "numbers.bin#/buffers/0/uri",
                                              "other.ies#/extensions/EXT_lights_ies/lights/0/uri",
                                              "sub/b.png#/images/3/uri",

@@ -594,5 +594,35 @@ TEST(unit_io_gltf_layers, variants_are_listed_and_an_unknown_one_is_an_error_tha
   EXPECT_EQ(error(b, ""), "loaded");
 }
 
+TEST(unit_io_gltf_layers, an_open_file_shows_each_variant_as_a_fresh_one_does_and_reads_its_meshes_once) {
+  Builder b = variants();
+  json& primitives = b.root["meshes"][0]["primitives"];
+  json points = primitives[0];
+  points["mode"] = 0;
+  primitives.insert(primitives.begin(), points);  // is not read: the others are not counted from 0
+  b.root["materials"][2]["extensions"]["KHR_materials_anisotropy"]["anisotropyStrength"] = 1;  // wants tangents
+  Diagnostics diagnostics;
+  GltfFile file(b.glb(), {}, "test", diagnostics);
+  std::vector<std::shared_ptr<const void>> identities;
+  for (const char* variant : {"day", "night", "day", "day"}) {
+    const Scene scene = file.scene(diagnostics, std::nullopt, variant);
+    const Scene fresh = load_gltf(b.glb(), {}, diagnostics, LoadOptions{.variant = variant});
+    ASSERT_EQ(scene.meshes.at(0).primitives.size(), 2u);
+    for (std::size_t p = 0; p < 2; ++p) {
+      const Primitive& one = scene.meshes[0].primitives[p];
+      const Primitive& other = fresh.meshes.at(0).primitives.at(p);
+      EXPECT_EQ(scene.materials.at(static_cast<std::size_t>(one.material)).name,
+                fresh.materials.at(static_cast<std::size_t>(other.material)).name);
+      EXPECT_EQ(one.positions, other.positions);
+      EXPECT_EQ(one.tangents, other.tangents) << variant;
+      EXPECT_EQ(one.triangles, other.triangles);
+    }
+    identities.push_back(scene.meshes[0].identity);
+  }
+  EXPECT_NE(identities[0], identities[1]) << "who knows the first must not take the second for it";
+  EXPECT_EQ(identities[2], identities[3]);
+  EXPECT_NE(identities[3], nullptr);
+}
+
 }  // namespace
 }  // namespace candela::io::test

@@ -132,6 +132,22 @@ TEST(unit_path_alpha, mask_is_all_or_nothing_at_its_cutoff) {
             0.0f);
 }
 
+TEST(unit_path_alpha, what_equals_the_cutoff_between_vertices_has_no_holes) {
+  // Weights of three corners add up to 1 but for rounding.
+  SceneBuilder b;
+  Material m = unlit(vec3(1.0f));
+  m.alpha_mode = AlphaMode::mask;
+  m.alpha_cutoff = 0.3f;
+  Primitive square = quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+  square.colors.assign(square.positions.size(), vec4(1, 1, 1, 0.3f));
+  b.add(square, m);
+  View view;
+  view.world_from_camera = translation({0, 0, 3});
+  view.projection = OrthographicCamera{.xmag = 0.9f, .ymag = 0.9f};
+  const Film film = shoot(b.build(), dark_environment(), view, settings(64, 16, 1));
+  EXPECT_EQ(mean_of(film.beauty).x, 1.0);
+}
+
 TEST(unit_path_alpha, opaque_mode_ignores_alpha) {
   const auto row = shadow_profile(AlphaMode::opaque, 0.1f, 0.5f);
   for (const float v : row) EXPECT_EQ(v, 0.0f);

@@ -135,6 +135,42 @@ TEST(unit_path_bodies, a_lid_of_another_kind_ends_a_body) {
   expect_color(seen(c, along_z(5, 0.4f)), inside * kTint, 5e-3f, "an opaque lid");
 }
 
+TEST(unit_path_bodies, the_wall_of_a_hollow_is_its_bodys_whatever_it_is_made_of) {
+  // Two metres of wall, whether the hollow is a node or a material of its own, and mirrored or not.
+  const Primitive outer = box(vec3(-2.0f), vec3(2.0f)), inner = turned_inside_out(box(vec3(-1.0f), vec3(1.0f)));
+  const vec3 expected(kTint * kTint);
+  Material other = tinted();
+  other.name = "other";
+  for (const bool has_other_material : {false, true}) {
+    for (const bool is_first : {false, true}) {
+      SceneBuilder b;
+      const Material& of_hollow = has_other_material ? other : tinted();
+      if (is_first) b.add(inner, of_hollow);
+      b.add(outer, tinted());
+      if (!is_first) b.add(inner, of_hollow);
+      expect_color(seen(b, along_z(5, 0.5f)), expected, 0.02f, "a hollow");
+    }
+  }
+  SceneBuilder mirrored;
+  mirrored.add(outer, tinted());
+  mirrored.add(box(vec3(-1.0f), vec3(1.0f)), tinted(), scaling({-1, -1, -1}));  // an even box, not inside out
+  expect_color(seen(mirrored, along_z(5, 0.5f)), glm::pow(kTint, vec3(4.0f)), 0.02f, "a body in a body");
+  // In the hollow there may be another body, and in that a hollow: the smallest around it has it.
+  SceneBuilder nested;
+  nested.add(outer, tinted());
+  nested.add(inner, tinted());
+  nested.add(box(vec3(-0.75f), vec3(0.75f)), tinted());
+  nested.add(turned_inside_out(box(vec3(-0.5f), vec3(0.5f))), tinted());
+  expect_color(seen(nested, along_z(5, 0.25f)), glm::pow(kTint, vec3(2.5f)), 0.03f, "a hollow in a body in a hollow");
+  // Beside a body an inside-out one is nobody's wall.
+  SceneBuilder apart;
+  apart.add(box({-2, -2, -1}, {-0.5f, 2, 1}), tinted());
+  apart.add(turned_inside_out(box({0.5f, -0.5f, -0.5f}, {1.5f, 0.5f, 0.5f})), tinted());
+  const Scene scene = apart.build();
+  const path::Geometry geometry(scene);
+  EXPECT_NE(geometry.placements()[0].body, geometry.placements()[1].body);
+}
+
 TEST(unit_path_bodies, parts_of_a_body_are_found_by_their_edges) {
   const auto is_far = [](int face) { return face == kFar; };
   const auto is_not_far = [](int face) { return face != kFar; };

@@ -51,6 +51,35 @@ TEST(unit_path_displacement, vertices_move_along_the_normal_by_the_height) {
   }
 }
 
+TEST(unit_path_displacement, places_of_the_relief_are_found_in_the_primitive_that_it_was_made_of) {
+  // A flat relief: every place is where it was.
+  Primitive flat;
+  flat.positions = {{0, 0, 0}, {4, 1, 0}, {1, 3, 2}, {5, 5, 5}};
+  flat.normals.assign(4, vec3(0, 1, 0));
+  flat.uvs[0] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  flat.triangles = {{0, 1, 2}, {1, 3, 2}};
+  SceneBuilder b;
+  Material material = matte(vec3(0.5f));
+  material.height_scale = 0.0f;
+  material.height_texture = slot(b.add_texture(5, 5, std::vector<std::uint8_t>(100, 128)));
+  b.add(flat, material);
+  const Scene scene = b.build();
+  const TextureReader reader(scene, material.height_texture, Encoding::data);
+  const Primitive fine = displaced(flat, material, reader);
+  const int n = divisions_of(flat.triangles.size(), fine.triangles.size());
+  ASSERT_GT(n, 2);
+  ASSERT_EQ(fine.triangles.size(), flat.triangles.size() * static_cast<std::size_t>(n * n));
+  const auto at = [](const Primitive& p, std::uint32_t triangle, vec2 u) {
+    const uvec3 t = p.triangles[triangle];
+    return p.positions[t.x] * (1.0f - u.x - u.y) + p.positions[t.y] * u.x + p.positions[t.z] * u.y;
+  };
+  const vec2 place(0.2f, 0.7f);
+  for (std::uint32_t i = 0; i < fine.triangles.size(); ++i) {
+    const UndividedPlace found = undivided({i, place}, n);
+    EXPECT_LT(glm::distance(at(flat, found.triangle, found.barycentric), at(fine, i, place)), 1e-5f) << i;
+  }
+}
+
 TEST(unit_path_displacement, it_is_as_fine_as_the_texture) {
   const Ramp ramp(0.4f, false);
   const auto n = static_cast<std::size_t>(std::ceil(kTexels * std::sqrt(2.0f)));

@@ -9,7 +9,8 @@ namespace {
 
 using namespace test;
 
-const std::set<Layer> kAllLayers = {Layer::albedo, Layer::normal, Layer::depth, Layer::position, Layer::object_id};
+const std::set<Layer> kAllLayers = {Layer::albedo,   Layer::normal,   Layer::camera_normal, Layer::depth,
+                                    Layer::distance, Layer::position, Layer::object_id};
 
 /// A tilted square (node 1) and a ball (node 3); node 0 has no mesh, node 2 is a light.
 Scene known_scene() {
@@ -38,9 +39,11 @@ TEST(unit_path_layers, depth_position_normal_albedo_and_id_are_those_of_the_scen
     const int x = 20, y = 30;
     const vec3 n(std::sin(0.5f), 0, std::cos(0.5f)), d = ray(x, y), eye(0, 0, 5);
     const float distance = -glm::dot(eye, n) / glm::dot(d, n);
-    EXPECT_NEAR(at(Layer::depth, x, y).x, distance, 1e-4f);
+    EXPECT_NEAR(at(Layer::distance, x, y).x, distance, 1e-4f);
+    EXPECT_NEAR(at(Layer::depth, x, y).x, distance * -d.z, 1e-4f);
     EXPECT_LT(glm::length(at(Layer::position, x, y) - (eye + d * distance)), 1e-4f);
     EXPECT_LT(glm::length(at(Layer::normal, x, y) - n), 1e-4f);
+    EXPECT_LT(glm::length(at(Layer::camera_normal, x, y) - n), 1e-4f) << "of a camera that is not turned";
     EXPECT_LT(glm::length(at(Layer::albedo, x, y) - vec3(0.2f, 0.4f, 0.6f)), 1e-4f);
     EXPECT_EQ(at(Layer::object_id, x, y).x, 2.0f);
   }
@@ -70,6 +73,81 @@ TEST(unit_path_layers, ids_are_the_numbers_that_the_file_gives_its_nodes) {
   EXPECT_EQ(film.layers.at(Layer::object_id).rgb(20, 30).x, 41.0f);
   EXPECT_EQ(film.layers.at(Layer::object_id).rgb(52, 32).x, 41.0f);
   EXPECT_EQ(film.layers.at(Layer::object_id).rgb(1, 1).x, 0.0f);
+}
+
+/// One ball before another, in the middle of a picture on which they are alone.
+Scene two_balls() {
+  SceneBuilder b;
+  b.add(sphere({0, 0, 0}, 1.0f, 4, false), matte(vec3(0.5f)));
+  b.add(sphere({0.4f, 0, 2}, 0.5f, 4, false), matte(vec3(0.2f)));
+  return b.build();
+}
+
+TEST(unit_path_layers, mattes_sum_to_the_coverage) {
+  path::Settings s = settings(24, 64, 1);
+  s.background = Background::transparent;
+  s.mattes = {MatteKind::object, MatteKind::material};
+  View view = look_at({0, 0, 6}, vec3(0.0f), 0.5f);
+  view.lens = {.radius = 0.1f, .focus_distance = 6.0f};
+  const Film film = shoot(two_balls(), constant_environment(vec3(1.0f)), view, s);
+  for (const auto& [kind, mattes] : film.mattes) {
+    int shared = 0;
+    for (std::size_t i = 0; i < film.beauty.pixels.size() / 4; ++i) {
+      float sum = 0.0f;
+      for (std::size_t r = 0; r < Mattes::kRanks; ++r) sum += mattes.at(i)[r].coverage;
+      ASSERT_NEAR(sum, film.beauty.pixels[4 * i + 3], 1e-5f);
+      shared += mattes.at(i)[1].coverage > 0.0f ? 1 : 0;
+    }
+    EXPECT_GT(shared, 10) << "some pixels have both";
+    EXPECT_EQ(mattes.names.size(), 2u);
+  }
+  // What is sharp in a mask is soft in a matte: at the pixel's centre there is the one that covers most, but for edges.
+  s.layers = {Layer::instance};
+  const Film numbers = shoot(two_balls(), constant_environment(vec3(1.0f)), look_at({0, 0, 6}, vec3(0.0f), 0.5f), s);
+  const Mattes& objects = numbers.mattes.at(MatteKind::object);
+  int differing = 0;
+  for (std::size_t i = 0; i < numbers.beauty.pixels.size() / 4; ++i) {
+    const bool is_empty = objects.at(i)[0].coverage < 0.5f;
+    const float most = is_empty ? 0.0f : static_cast<float>(objects.at(i)[0].number + 1);
+    differing += most == numbers.layers.at(Layer::instance).pixels[i] ? 0 : 1;
+  }
+  EXPECT_LT(differing, 24 * 24 / 20);
+}
+
+TEST(unit_path_layers, half_opacity_between_vertices_is_there_at_every_pixel) {
+  SceneBuilder b;
+  Material veil = unlit(vec3(1.0f));
+  veil.alpha_mode = AlphaMode::blend;
+  Primitive front = quad({-2, -2, 1}, {4, 0, 0}, {0, 4, 0});
+  front.colors.assign(front.positions.size(), vec4(1, 1, 1, 0.5f));
+  b.add(front, veil);
+  b.add(quad({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}), matte(vec3(0.5f)));
+  path::Settings s = settings(64, 1, 1);
+  s.layers = {Layer::instance};
+  const Film film = shoot(b.build(), dark_environment(), look_at({0, 0, 5}, vec3(0.0f), 0.5f), s);
+  for (const float number : film.layers.at(Layer::instance).pixels) ASSERT_EQ(number, 1.0f);
+}
+
+TEST(unit_path_layers, masks_reach_behind_what_hides_them) {
+  path::Settings s = settings(48, 1, 1);
+  s.has_masks = true;
+  s.layers = {Layer::instance};
+  const View view = look_at({0, 0, 6}, vec3(0.0f), 0.5f);
+  const Film both = shoot(two_balls(), dark_environment(), view, s);
+  ASSERT_EQ(both.masks->size(), 2u);
+  for (int k = 0; k < 2; ++k) {
+    // Each alone is seen where its mask is.
+    Scene scene = two_balls();
+    scene.nodes[static_cast<std::size_t>(1 - k)].mesh = -1;
+    const Film alone = shoot(scene, dark_environment(), view, s);
+    const InstanceMask& mask = both.masks->at(static_cast<std::size_t>(k));
+    EXPECT_EQ(mask.node, k);
+    for (int y = 0; y < 48; ++y) {
+      for (int x = 0; x < 48; ++x) {
+        ASSERT_EQ(mask.covers({x, y}), alone.layers.at(Layer::instance).rgb(x, y).x == static_cast<float>(k + 1));
+      }
+    }
+  }
 }
 
 TEST(unit_path_layers, only_what_was_asked_for_is_there) {

@@ -83,6 +83,24 @@ TEST(unit_path_tracer, one_tracer_makes_the_pictures_of_many) {
   }
 }
 
+TEST(unit_path_tracer, scenes_under_one_prepared_light_are_traced_as_each_alone) {
+  Environment striped;
+  striped.map = std::make_shared<const Image>([] {
+    Image map(16, 8, 3);
+    for (std::size_t i = 0; i < map.pixels.size(); ++i) map.pixels[i] = i % 5 == 0 ? 3.0f : 0.1f;
+    return map;
+  }());
+  const path::FarLight light(striped);
+  SceneBuilder b;
+  b.add(plane({0, 0, 0}, 2.0f), matte(vec3(0.7f)));
+  const auto other = std::make_shared<const Scene>(b.build());
+  for (const auto& scene : {std::make_shared<const Scene>(still_life()), other}) {
+    const path::Settings s = with_layers(16, 4);
+    const Film shared = path::Tracer(scene, light).render(front(), s);
+    EXPECT_TRUE(films_are_identical(shared, path::Tracer(scene, striped).render(front(), s)));
+  }
+}
+
 TEST(unit_path_tracer, scenes_that_name_what_is_not_there_are_refused) {
   const auto refuses = [](const std::function<void(Scene&)>& change) {
     Scene scene = still_life();

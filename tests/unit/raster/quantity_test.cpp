@@ -60,11 +60,11 @@ TEST(unit_raster_quantity, parts_of_the_light_add_up_to_all_of_it) {
 }
 
 TEST(unit_raster_quantity, layers_are_numbers_of_the_surface) {
-  for (const Layer layer : {Layer::albedo, Layer::normal, Layer::depth, Layer::position, Layer::object_id}) {
+  for (const Layer layer : {Layer::albedo, Layer::normal, Layer::camera_normal, Layer::base_color}) {
     EXPECT_TRUE(is_of_surface(quantity_of(layer)));
     EXPECT_TRUE(shows_numbers(quantity_of(layer)));
   }
-  EXPECT_EQ(quantity_of(Layer::object_id), Quantity::object_id);
+  EXPECT_EQ(quantity_of(Layer::camera_normal), Quantity::normal);
   for (const Quantity q : {Quantity::light, Quantity::diffuse, Quantity::direct, Quantity::emission}) {
     EXPECT_FALSE(is_of_surface(q));
     EXPECT_FALSE(shows_numbers(q));

@@ -74,12 +74,13 @@ TEST_F(unit_raster_targets, more_samples_than_the_driver_has_are_those_it_has) {
 TEST_F(unit_raster_targets, layers_say_where_nothing_is_and_positions_are_the_worlds) {
   const vec3 at(1000.0f, -200.0f, 30.0f);
   raster::Settings settings = sized(8, 8);
-  settings.layers = {Layer::depth, Layer::position, Layer::normal};
+  settings.layers = {Layer::depth, Layer::distance, Layer::position, Layer::normal};
   const Film film = raster::render(flag(at), dark_environment(), before(at, 2.0f), settings);
   const Image& depth = film.layers.at(Layer::depth);
   EXPECT_EQ(depth.channels, 1);
   EXPECT_TRUE(std::isinf(depth.pixels[depth.index(0, 0)])) << "beside the square";
   EXPECT_NEAR(depth.pixels[depth.index(4, 4)], 4.0f, 1e-3f);
+  EXPECT_NEAR(film.layers.at(Layer::distance).pixels[depth.index(4, 4)], 4.0f, 1e-3f) << "rays are parallel";
   const Image& position = film.layers.at(Layer::position);
   // The middle of the pixel to the right of and below the picture's.
   EXPECT_LT(glm::distance(position.rgb(4, 4), at + vec3(0.25f, -0.25f, 0)), 2e-3f);

@@ -208,7 +208,7 @@ TEST(unit_scene_environment, sun_stands_to_the_front_right_of_the_default_camera
   EXPECT_NEAR(glm::length(sun.direction), 1.0f, 1e-5f);
   EXPECT_NEAR(degrees(std::asin(sun.direction.y)), 33.0f, 1e-3f);
   EXPECT_NEAR(degrees(sun.angular_radius), 0.2665f, 1e-4f);
-  const View view = frame_box(Box3{vec3(-1), vec3(1)}, 1.0f, radians(35.0f));
+  const View view = frame(Extent(Box3{vec3(-1), vec3(1)}), {.yfov = radians(35.0f), .margin = 0.04f});
   EXPECT_GT(glm::dot(sun.direction, vec3(view.world_from_camera[0])), 0.3f) << "right";
   EXPECT_GT(glm::dot(sun.direction, vec3(view.world_from_camera[2])), 0.3f) << "front";
   // Inside the disc its radiance is added, just outside it is not.

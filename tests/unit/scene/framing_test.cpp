@@ -92,6 +92,42 @@ TEST(unit_scene_framing, reach_is_that_of_the_farthest_vertex) {
   }
 }
 
+TEST(unit_scene_framing, two_extents_together_reach_as_far_as_the_farther) {
+  const Scene scene = clouds();
+  const Box3 box{vec3(-9, -1, -1), vec3(-8, 6, 9)};
+  Extent both(scene);
+  {
+    const Extent other(box);
+    both.add(other);
+  }
+  std::mt19937 generator(4);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    const dvec3 d = glm::normalize(dvec3(normal(generator), normal(generator), normal(generator)));
+    EXPECT_EQ(both.reach(d), std::max(Extent(scene).reach(d), Extent(box).reach(d)));
+  }
+  EXPECT_EQ(both.bounds().lower.x, -9.0f);
+}
+
+TEST(unit_scene_framing, who_goes_around_comes_back_to_the_same_view) {
+  const Scene scene = clouds();
+  const Extent extent(scene);
+  const vec3 center = extent.bounds().center();
+  const Orbit front = named_orbit("front");
+  const View view = frame(extent, {.orbit = front, .aspect = 1.5f});
+  const View same = moved_to(view, center, front);
+  for (int c = 0; c < 4; ++c) {
+    EXPECT_LT(glm::length(same.world_from_camera[c] - view.world_from_camera[c]), 1e-5f) << c;
+  }
+  const Orbit turned{.azimuth = 2.0f, .elevation = -0.7f, .distance_scale = 0.5f};
+  const View other = moved_to(view, center, turned);
+  const auto center_in = [&](const View& v) { return transform_point(glm::inverse(v.world_from_camera), center); };
+  const vec3 before = center_in(view), after = center_in(other);
+  EXPECT_LT(glm::length(vec3(before.x, before.y, 0.5f * before.z) - after), 1e-4f) << "as much aside, half as far";
+  const vec3 back(std::sin(2.0f) * std::cos(-0.7f), std::sin(-0.7f), std::cos(2.0f) * std::cos(-0.7f));
+  EXPECT_LT(glm::length(vec3(other.world_from_camera[2]) - back), 1e-6f);
+}
+
 TEST(unit_scene_framing, lamps_are_no_part_of_the_subject) {
   Scene scene = clouds();
   const double before = Extent(scene).reach({0, 1, 0});
@@ -206,6 +242,19 @@ TEST(unit_scene_framing, views_that_do_not_exist_are_told_with_those_that_do) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("\"sideways\" (known: front, back, left, right, top, bottom, iso"));
+  }
+}
+
+TEST(unit_scene_framing, what_is_tiny_or_far_away_fills_its_picture_too) {
+  for (const float size : {1e-7f, 1e-6f, 1.0f, 1e6f}) {
+    for (const float far : {0.0f, 1e3f}) {
+      const vec3 center(far * size, 0, -far * size);
+      const Extent extent(Box3{center - 0.5f * size, center + 0.5f * size});
+      const View view = frame(extent, {});
+      const float distance = -transform_point(glm::inverse(view.world_from_camera), center).z;
+      EXPECT_LT(distance, 4.0f * size) << size << " at " << far;
+      EXPECT_GT(distance, 1.0f * size) << size << " at " << far;
+    }
   }
 }
 

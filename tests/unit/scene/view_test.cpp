@@ -13,6 +13,10 @@
 namespace candela {
 namespace {
 
+View frame_box(const Box3& box, float aspect, float yfov, const Orbit& orbit = {}) {
+  return frame(Extent(box), {.orbit = orbit, .aspect = aspect, .yfov = yfov, .margin = 0.04f});
+}
+
 /// Position in the picture in units of its half-size, y up; z is the depth along the viewing axis.
 vec3 project(const View& view, float aspect, vec3 p) {
   const vec3 c = transform_point(glm::inverse(view.world_from_camera), p);

@@ -1,0 +1,61 @@
+#include "base/named_row.h"
+#include "candela/shot.h"
+
+namespace candela {
+
+Quality parse_quality(std::string_view name) { return row_named(kQualities, name, "unknown quality").quality; }
+
+void set_quality(Quality quality, Shot& shot) {
+  for (const QualityInfo& info : kQualities) {
+    if (info.quality != quality) continue;
+    shot.traced.samples = info.samples;
+    shot.traced.noise = info.noise > 0.0f ? std::optional(info.noise) : std::nullopt;
+    shot.denoiser = denoise::Method::regression;
+    shot.drawn.frames = info.frames;
+  }
+}
+
+Studio parse_studio(std::string_view name) { return row_named(kStudios, name, "unknown studio").studio; }
+
+void set_studio(Studio studio, Shot& shot) {
+  for (const StudioInfo& info : kStudios) {
+    if (info.studio != studio) continue;
+    shot.environment = info.environment;
+    shot.ground = GroundChoice{.color = info.paper, .mirror = info.mirror};
+  }
+}
+
+namespace {
+
+/// An engine's settings with what a shot says of the picture, which both engines know.
+template <class Settings>
+Settings with_picture(Settings settings, const Shot& shot) {
+  settings.width = shot.size.x;
+  settings.height = shot.size.y;
+  settings.background = shot.background;
+  settings.environment_in_glass = shot.environment_in_glass;
+  settings.layers = shot.layers;
+  settings.mattes = shot.mattes;
+  settings.has_masks = shot.has_masks;
+  return settings;
+}
+
+}  // namespace
+
+path::Settings traced_settings(const Shot& shot) {
+  path::Settings settings = with_picture(shot.traced, shot);
+  settings.has_features |= shot.denoiser.has_value();
+  if (shot.exposure) settings.develop.exposure = *shot.exposure;
+  settings.develop.tone_curve = shot.tone_curve;
+  return settings;
+}
+raster::Settings drawn_settings(const Shot& shot) { return with_picture(shot.drawn, shot); }
+
+std::uint64_t picture_bytes(const Shot& shot) {
+  const std::uint64_t pixels = static_cast<std::uint64_t>(shot.size.x) * static_cast<std::uint64_t>(shot.size.y);
+  return shot.engine == Engine::raster
+             ? raster::picture_bytes(drawn_settings(shot))
+             : path::picture_bytes(traced_settings(shot)) + (shot.denoiser ? denoise::bytes_per_pixel() * pixels : 0);
+}
+
+}  // namespace candela
