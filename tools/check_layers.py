@@ -11,8 +11,8 @@ import re
 import sys
 import tempfile
 
-# What each folder of src/ holds, and what it may include beside itself, the lowest first. `app`, `tests`, `examples` and
-# `bench` may include all of src.
+# What each folder of src/ holds, and what it may include beside itself, the lowest first. `app`, `python`, `tests`,
+# `examples` and `bench` may include all of src.
 FOLDERS = {
     "base": ("`Error`, `Diagnostics`, `parallel_for`, files that appear whole or not at all", ""),
     "math": ("vectors, hashes, Sobol' points, distributions to sample from, spectra and the observer", "base"),
@@ -57,11 +57,12 @@ THIRD_PARTY = {
     "astcenc.h": {"image"},
     "draco/": {"io"},
     "embree": {"path"},
-    "fmt/": {"app", "candela", "check", "content", "denoise", "figures", "foreign", "ibl", "image", "io", "laws", "path", "raster", "scene"},
+    "fmt/": {"app", "candela", "check", "content", "denoise", "figures", "foreign", "ibl", "image", "io", "laws", "path", "python", "raster", "scene"},
     "ft2build.h": {"image"},
     "glm/": set(ALLOWED) | {"app"},
     "jpeglib.h": {"image"},
     "nlohmann/": {"app", "candela", "foreign", "io"},
+    "nanobind/": {"python"},
     "png.h": {"image"},
     "tbb/": {"base", "path"},
     "turbojpeg.h": {"image"},
@@ -79,6 +80,7 @@ LIBRARIES = {
     "turbojpeg.h": "libjpeg-turbo", "webp/": "libwebp", "zip.h": "libzip", "zlib.h": "zlib", "zstd.h": "Zstandard",
 }
 PUBLIC = ("glm/", "GL")
+ROOT = pathlib.Path(__file__).resolve().parent.parent
 FREE = {"tests", "examples", "bench"}  # may use GoogleTest and whatever else they need
 
 SYSTEM = re.compile(r"^(sys/\w+|unistd|fcntl|spawn|immintrin|xmmintrin|pmmintrin|tmmintrin|dlfcn)\.h$|^[a-z_]+$")
@@ -98,7 +100,9 @@ def judge(folder, name, header):
         return None
     if folder in FREE or SYSTEM.match(header):
         return None
-    if folder == "app" and first == "cli":
+    if folder in ("app", "python") and first == "cli":
+        return None
+    if folder == "python" and "/" not in header and (ROOT / "python" / "src" / header).is_file():
         return None
     prefix = third_party_of(header)
     if prefix is None:
@@ -128,7 +132,7 @@ def public_headers(root):
 
 
 def files(root):
-    for top in ("src", "app", "tests", "examples", "bench"):
+    for top in ("src", "app", "python", "tests", "examples", "bench"):
         for path in sorted((root / top).rglob("*")):
             if path.suffix in (".h", ".cpp") and path.is_file():
                 yield path, path.relative_to(root / "src").parts[0] if top == "src" else top
@@ -139,7 +143,7 @@ def violations(root):
     for path, folder in files(root):
         text = path.read_text(encoding="utf-8")
         name = path.relative_to(root)
-        if folder not in ALLOWED and folder not in FREE and folder != "app":
+        if folder not in ALLOWED and folder not in FREE and folder not in ("app", "python"):
             yield f"{name}:1: the folder {folder} is not in tools/check_layers.py"
             continue
         is_public = str(path.relative_to(root / "src")) in public if folder in ALLOWED else False

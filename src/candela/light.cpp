@@ -38,7 +38,7 @@ Environment adjusted(Environment environment, const LightChoice& choice) {
   return environment;
 }
 
-CubeFaces capture(const LightChoice& choice, int size, const Job& job) {
+LoadedLight capture(const LightChoice& choice, int size, const Job& job) {
   path::check_built();
   auto scene = std::make_shared<const Scene>(load(choice.scene, job.diagnostics, choice.load));
   const bool has_own_light = choice.environment.empty() && scene->image_light.has_value();
@@ -46,9 +46,7 @@ CubeFaces capture(const LightChoice& choice, int size, const Job& job) {
       has_own_light ? scene->image_light->environment
                     : make_environment(choice.environment.empty() ? "studio" : choice.environment, job.diagnostics);
   const path::Tracer tracer(std::move(scene), adjusted(environment, choice));
-  path::Settings settings;
-  settings.samples = choice.samples;
-  return path::capture_environment(tracer, choice.position, size, settings, job).levels.at(0);
+  return trace_light(tracer, choice.position, choice.samples, size, job);
 }
 
 void keep_texels(const CubeFaces& faces, ibl::Bake& bake) {
@@ -75,13 +73,18 @@ void check_bound(const ibl::Bake& bake, double error) {
 
 }  // namespace
 
-LoadedLight load_light(const LightChoice& choice, int size, const Job& job) {
+LoadedLight trace_light(const path::Tracer& tracer, vec3 position, int samples, int size, const Job& job) {
+  path::Settings settings;
+  settings.samples = samples;
   LoadedLight light;
-  if (!choice.scene.empty()) {
-    light.faces = capture(choice, size, job);
-    light.source = ibl::make_source(*light.faces);
-    return light;
-  }
+  light.faces = path::capture_environment(tracer, position, size, settings, job).levels.at(0);
+  light.source = ibl::make_source(*light.faces);
+  return light;
+}
+
+LoadedLight load_light(const LightChoice& choice, int size, const Job& job) {
+  if (!choice.scene.empty()) return capture(choice, size, job);
+  LoadedLight light;
   const bool is_built_in = is_built_in_environment(choice.environment);
   EnvironmentFile file;
   check_environment_name(choice.environment);

@@ -34,6 +34,10 @@ struct LoadedLight {
 /// job. Throws Error, and Interrupted after a stop.
 LoadedLight load_light(const LightChoice& choice, int size, const Job& job = {});
 
+/// What a point of a prepared scene sees, path traced into a cube of `size` texels a side with `samples` for each.
+/// Throws Error, and Interrupted after a stop.
+LoadedLight trace_light(const path::Tracer& tracer, vec3 position, int samples, int size, const Job& job = {});
+
 /// ibl::bake(); level 0 has a cube's own texels if the sizes allow. Throws Error if BakeSettings::error cannot be
 /// reached.
 ibl::Bake bake_light(const LoadedLight& light, const ibl::BakeSettings& settings, const Job& job = {});

@@ -8,6 +8,7 @@
 
 #include "base/stopwatch.h"
 #include "candela/objects.h"
+#include "candela/taking.h"
 #include "candela/viewpoint.h"
 #include "path/statistics.h"
 #include "scene/surface_layers.h"
@@ -27,25 +28,6 @@ void set_falloff(const FalloffChoice& choice, Scene& scene) {
 
 std::string prefix_of(std::size_t index, std::size_t count) {
   return count > 1 ? fmt::format("picture {} of {}, ", index + 1, count) : "";
-}
-
-/// How much of the progress of a picture that is denoised is that of its samples.
-constexpr double kShareOfSamples = 0.97;
-
-}  // namespace
-
-namespace {
-
-/// Throws Error where this build is without the engine, before any file is read.
-Shot takeable(Shot shot) {
-  if (shot.engine == Engine::raster) raster::check_built();
-  if (shot.engine == Engine::path || shot.probes > 0) path::check_built();
-  shot.load.counts_texture_levels |= shot.engine == Engine::raster;
-  if (shot.ground && shot.ground->color && shot.background == Background::environment) {
-    shot.background = Background::transparent;
-    shot.background_color = shot.ground->color;
-  }
-  return shot;
 }
 
 }  // namespace
@@ -202,25 +184,13 @@ Extent Take::extent_of_all(const Scene& first) {
   return Extent(points);
 }
 
-Ground Take::ground_of(const Scene& scene) const {
-  const GroundChoice& choice = *shot_.ground;
-  Ground ground;
-  // A little below, so that a floor of the scene's own hides it.
-  const Box3 subject = subject_bounds(scene);
-  ground.height = choice.height.value_or(subject.lower.y - 1e-4f * glm::length(subject.size()));
-  ground.mirror = choice.mirror;
-  const std::optional<vec3> color = choice.color ? choice.color : shot_.background_color;
-  if (color) ground.color = glm::clamp(*color, 0.0f, 1.0f);
-  return ground;
-}
-
 /// The scene at a moment of its animation, or at rest.
 Scene Take::scene_at(const Planned& planned, double moment_s) {
   std::optional<Pose> pose;
   if (is_moving_) pose = Pose{planned.animation, moment_s};
   Scene scene = asset_.scene(pose, planned.variant);
   if (shot_.falloff) set_falloff(*shot_.falloff, scene);
-  if (shot_.ground && !ground_) ground_ = ground_of(scene);
+  if (shot_.ground && !ground_) ground_ = ground_of(shot_, scene);
   scene.ground = ground_;
   for (Camera& camera : scene.cameras) {
     if (shot_.ignores_planes) camera.near_plane = 0.0f, camera.far_plane = kInfinity;
@@ -265,10 +235,8 @@ const path::FarLight& Take::far_light() {
 }
 
 path::Tracer Take::new_tracer(std::shared_ptr<const Scene> scene) {
-  const shade::ShadingModel& m = shot_.shading;
-  const std::string key = fmt::format("{} {} {} {} {} {} {} {} {} {} {}", shot_.environment.value_or(""),
-                                      environment_.name, environment_.rotation, environment_.intensity, m.distribution,
-                                      m.masking, m.fresnel, m.diffuse, m.blend, m.multiscatter, m.literal_layers);
+  const std::string key = fmt::format("{} {} {} {} {}", shot_.environment.value_or(""), environment_.name,
+                                      environment_.rotation, environment_.intensity, shading_key(shot_.shading));
   return stage_->scenes().tracer(scene, key, [&] { return path::Tracer(scene, far_light(), shot_.shading); });
 }
 
@@ -321,28 +289,14 @@ void Take::choose_views(const Extent& extent) {
   has_own_camera_ = (shot_.camera || camera_node_) && is_moving_ && !shot_.turntable;
 }
 
-void Take::choose_develop() {
-  develop_ = default_develop(*scene_, environment_);
-  if (shot_.exposure) develop_.exposure = *shot_.exposure;
-  develop_.tone_curve = shot_.tone_curve;
-  develop_.bloom = shot_.bloom;
-  if (shot_.engine == Engine::raster && raster::shows_numbers(shot_.drawn.quantity)) {
-    // Numbers, not light: shown as they are.
-    develop_.exposure = 1.0f;
-    develop_.tone_curve = ToneCurve::linear;
-  }
-  develop_.background = shot_.background_color;
-  develop_.background_opacity = shot_.background_opacity;
-}
-
 void Take::prepare() {
   if (is_prepared_) return;
   load_scene();
   choose_light(default_environment(*scene_));
   choose_camera();
   choose_views(extent_of_all(*scene_));
-  choose_develop();
-  choose_denoiser();
+  develop_ = develop_of(shot_, *scene_, environment_);
+  choose_denoiser(shot_, [this](std::string message) { warn(std::move(message)); });
   const bool is_still = !step_of(0) && shot_.turntable.value_or(1) == 1;
   if (is_still && shot_.layers.contains(Layer::motion)) {
     warn("motion is 0: nothing moves from one picture to the next without --sequence, --shutter or --turntable");
@@ -368,39 +322,22 @@ void Take::prepare_beside(Take& reference) {
   reference.choose_views(both);
   reference.has_own_camera_ = false;
   viewpoints_ = std::make_unique<Viewpoints>(*reference.viewpoints_);
-  reference.choose_develop();
+  reference.develop_ = develop_of(reference.shot_, *reference.scene_, reference.environment_);
   develop_ = reference.develop_;
   for (Take* take : {&reference, this}) {
-    take->choose_denoiser();
+    choose_denoiser(take->shot_, [take](std::string message) { take->warn(std::move(message)); });
     take->is_prepared_ = true;
   }
 }
 
-/// What is built in stands in for a library that is not there.
-void Take::choose_denoiser() {
-  if (!shot_.denoiser || shot_.engine == Engine::raster) return;
-  const std::string why = denoise::why_not(*shot_.denoiser);
-  if (why.empty()) return;
-  warn(why + "; the built-in regression denoises");
-  shot_.denoiser = denoise::Method::regression;
-}
-
 std::map<std::string, std::string> Take::metadata(std::size_t index, double samples_per_pixel, bool is_denoised) const {
   const Planned& planned = planned_[index];
-  std::map<std::string, std::string> result{
-      {"scene", shot_.scene},
-      {"camera", viewpoints_->all[planned.viewpoint].description},
-      {"environment", environment_.name},
-      {"integrator", shot_.engine == Engine::raster ? "raster" : path::integrator_name(shot_.traced.integrator)},
-      {"samples", fmt::format("{}", samples_per_pixel)},
-      {"seed", fmt::format("{}", shot_.traced.seed)},
-      {"version", fmt::format("candela {}", version())}};
+  std::map<std::string, std::string> result = picture_metadata(
+      shot_, environment_, viewpoints_->all[planned.viewpoint].description, samples_per_pixel, is_denoised);
   if (!shot_.load.scene.empty()) result["scene_of_file"] = shot_.load.scene;
   const std::string variant = planned.variant.value_or(shot_.load.variant);
   if (!variant.empty()) result["variant"] = variant;
   if (shot_.animations) result["animation"] = planned.animation;
-  if (!shot_.shading_name.empty()) result["shading"] = shot_.shading_name;
-  if (is_denoised) result["denoiser"] = denoise::method_name(*shot_.denoiser);
   return result;
 }
 
@@ -516,24 +453,6 @@ void Take::complete(TakenPicture& picture) {
   if (has_numbers) picture.film.metadata["objects"] = objects_json(*scene_shown_);
 }
 
-/// Stopped on the way, it is the picture as it was traced, which is not what was asked for.
-void Take::take_noise_out(TakenPicture& picture, const Job& job) const {
-  Job part = job;
-  if (job.progress) {
-    part.progress = [&](Progress p) {
-      p.fraction = kShareOfSamples + (1.0 - kShareOfSamples) * p.fraction;
-      p.samples_per_pixel = picture.traced.mean_samples_per_pixel;
-      job.progress(p);
-    };
-  }
-  const Stopwatch watch;
-  picture.is_denoised = denoise::denoise(picture.film, *shot_.denoiser, part);
-  picture.denoise_s = watch.seconds();
-  if (picture.is_denoised) return;
-  picture.traced.interrupted = true;
-  warn("stopped while it was denoised: the picture has its noise");
-}
-
 TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job& job) {
   TakeResult result{.asked = planned_.size()};
   const JobParts parts(job, result.asked);
@@ -557,7 +476,10 @@ TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job&
     picture.film = trace_one(index, part, picture.traced);
     if (picture.traced.samples == 0) throw Interrupted("before the first sample: no picture");
     if (shot_.part && picture.traced.interrupted) throw Interrupted("the part is not whole, and was not written");
-    if (shot_.denoiser && !shot_.part) take_noise_out(picture, parts.part(index, prefix_of(index, result.asked)));
+    if (shot_.denoiser && !shot_.part) {
+      take_noise_out(*shot_.denoiser, picture, parts.part(index, prefix_of(index, result.asked)),
+                     [this](std::string message) { warn(std::move(message)); });
+    }
     result.denoise_s += picture.denoise_s;
     picture.film.metadata.merge(metadata(index, picture.traced.mean_samples_per_pixel, picture.is_denoised));
     complete(picture);

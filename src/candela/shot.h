@@ -310,17 +310,13 @@ class Take {
   void choose_light(const std::string& wished);
   void choose_camera();
   void choose_views(const Extent& extent);
-  void choose_develop();
-  void choose_denoiser();
   Scene scene_at(const Planned& planned, double moment_s);
   std::shared_ptr<const Scene> scene_of(std::size_t index);
-  Ground ground_of(const Scene& scene) const;
   std::shared_ptr<const Scene> first_scene();
   const path::FarLight& far_light();
   path::Tracer new_tracer(std::shared_ptr<const Scene> scene);
   View view_at(const Scene& scene, std::size_t index) const;
   std::map<std::string, std::string> metadata(std::size_t index, double samples_per_pixel, bool is_denoised) const;
-  void take_noise_out(TakenPicture& picture, const Job& job) const;
   void hand_over(TakenPicture picture, TakeResult& result, const std::function<void(TakenPicture)>& take);
   path::Settings settings_of_trace() const;
   TakeResult trace(const std::function<void(TakenPicture)>& take, const Job& job);

@@ -151,6 +151,11 @@ Verdict judge(const std::string& name, const LoadOptions& options, const Job& jo
   }
 }
 
+Verdict judge(const std::string& name, const check::CheckInput& input, const Job& job) {
+  const StopScope scope(job.stop);
+  return verdict_of(name, input, job);
+}
+
 bool KnownFinding::operator<(const KnownFinding& other) const {
   const auto members = [](const KnownFinding& f) { return std::tie(f.file, f.code, f.material, f.texture, f.subject); };
   return members(*this) < members(other);

@@ -46,6 +46,9 @@ std::size_t leave_out(const std::function<bool(const NamedFinding&)>& is_left_ou
 Verdict judge(const std::string& name, const LoadOptions& options = {}, const Job& job = {},
               const check::Limits& limits = {});
 
+/// The same of a scene in memory, which is called `name`; of files only what `input` says.
+Verdict judge(const std::string& name, const check::CheckInput& input, const Job& job = {});
+
 /// A verdict together with what it is about.
 struct JudgedScene {
   Verdict verdict;

@@ -11,6 +11,7 @@
 #include "base/large_pages.h"
 #include "image/codec.h"
 #include "image/develop.h"
+#include "image/png_bytes.h"
 
 namespace candela {
 
@@ -278,6 +279,8 @@ void write_png(const std::filesystem::path& path, const DisplayImage& image) {
 void codec::write_png_data(const std::filesystem::path& path, const DisplayImage& image) {
   write_file(path, encode(image, false, path.string()));
 }
+
+std::vector<std::byte> encode_png(const DisplayImage& image) { return encode(image, true, "a picture"); }
 
 std::vector<std::byte> encode_png(const TextureImage& image) {
   return encode({image.width, image.height, image.pixels}, false, "a texture");

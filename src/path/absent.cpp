@@ -22,6 +22,7 @@ struct Tracer::Parts {};
 Tracer::Tracer(std::shared_ptr<const Scene>, const FarLight&, const shade::ShadingModel&) { refuse(); }
 Tracer::Tracer(std::shared_ptr<const Scene>, const Environment&, const shade::ShadingModel&) { refuse(); }
 Tracer::Tracer(Scene, const Environment&, const shade::ShadingModel&) { refuse(); }
+Tracer::Tracer(const Tracer&, std::shared_ptr<const Scene>, const FarLight&) { refuse(); }
 Film Tracer::render(const View&, const Settings&, const Job&, Statistics*) const { refuse(); }
 const Scene& Tracer::scene() const { refuse(); }
 double Tracer::build_s() const { refuse(); }

@@ -98,7 +98,9 @@ void Lights::add_triangles(Geometry& geometry) {
   for (std::size_t i = 0; i < placements.size(); ++i) {
     Placement& placement = placements[i];
     if (!placement.mesh->material->is_emissive) continue;
-    placement.first_light = static_cast<int>(triangles_.size());
+    // Of a geometry that another picture reads meanwhile it is the same number.
+    const int first_light = static_cast<int>(triangles_.size());
+    if (placement.first_light != first_light) placement.first_light = first_light;
     const std::size_t first = triangles_.size();
     const std::size_t count = placement.mesh->triangles.size();
     triangles_.resize(first + count);

@@ -134,13 +134,25 @@ struct Tracer::Parts {
   Parts(std::shared_ptr<const Scene> made_of, std::shared_ptr<const PreparedEnvironment> environment,
         const shade::ShadingModel& shading, double light_s = 0.0)
       : scene(std::move(made_of)),
-        geometry(validated(scene), shading),
+        shape(scene),
+        shared_geometry(std::make_shared<Geometry>(validated(scene), shading)),
+        geometry(*shared_geometry),
         lights(*scene, std::move(environment), geometry),
         build_s(light_s + watch.seconds()) {}
+  Parts(const Parts& before, std::shared_ptr<const Scene> made_of,
+        std::shared_ptr<const PreparedEnvironment> environment)
+      : scene(std::move(made_of)),
+        shape(before.shape),
+        shared_geometry(before.shared_geometry),
+        geometry(*shared_geometry),
+        lights(validated(scene), std::move(environment), geometry),
+        build_s(watch.seconds()) {}
 
   Stopwatch watch;
   std::shared_ptr<const Scene> scene;
-  Geometry geometry;
+  std::shared_ptr<const Scene> shape;  ///< what the geometry reads
+  std::shared_ptr<Geometry> shared_geometry;
+  Geometry& geometry;
   Lights lights;
   double build_s;
 };
@@ -604,6 +616,9 @@ Tracer::Tracer(Scene scene, const Environment& environment, const shade::Shading
 
 const Scene& Tracer::scene() const { return *parts_->scene; }
 double Tracer::build_s() const { return parts_->build_s; }
+
+Tracer::Tracer(const Tracer& before, std::shared_ptr<const Scene> scene, const FarLight& light)
+    : parts_(std::make_shared<Parts>(*before.parts_, std::move(scene), light.prepared_)) {}
 
 Film Tracer::render(const View& view, const Settings& settings, const Job& job, Statistics* statistics) const {
   Picture picture(*this, view, settings);

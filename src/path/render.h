@@ -119,6 +119,9 @@ class Tracer {
          const shade::ShadingModel& shading = shade::shading_model_candela());
   Tracer(std::shared_ptr<const Scene> scene, const FarLight& light,
          const shade::ShadingModel& shading = shade::shading_model_candela());
+  /// The scene of `before`, or one with the same meshes, materials, textures, ground and nodes that hold meshes, under
+  /// other light: what was built of these serves again. `before` may render meanwhile.
+  Tracer(const Tracer& before, std::shared_ptr<const Scene> scene, const FarLight& light);
 
   /// The picture of a view. The result depends only on the arguments, never on the number of threads (with a time limit
   /// it depends on how many passes fitted). Throws Error for invalid settings and views.
