@@ -19,7 +19,7 @@ Array = numpy.typing.NDArray[numpy.float64]
 SIZE = (64, 48)
 
 
-def smoothed(values: Array, times: int = 6) -> Array:
+def smoothed(values: Array, times: int = 24) -> Array:
     """Blurred, so that what is a little off still overlaps and the error has a slope."""
     for _ in range(times):
         for axis in (0, 1):
@@ -29,7 +29,7 @@ def smoothed(values: Array, times: int = 6) -> Array:
 
 def seen_from(scene: candela.Scene, azimuth_elevation_distance: Array) -> Array:
     azimuth, elevation, distance = (float(x) for x in azimuth_elevation_distance)
-    picture = candela.render(scene, camera=candela.orbit(azimuth, elevation, distance), size=SIZE, spp=16, exposure=0.0)
+    picture = candela.render(scene, camera=candela.orbit(azimuth, elevation, distance), size=SIZE, spp=64, exposure=0.0)
     return smoothed(numpy.log1p(picture["beauty"][..., :3].astype(float)))
 
 
@@ -42,7 +42,7 @@ def main() -> None:
     scene = candela.load(arguments.scene)
     truth = numpy.array([24.0, 18.0, 1.1])
     wanted = seen_from(scene, truth)
-    guess = numpy.array([38.0, 28.0, 1.35])
+    guess = numpy.array([33.0, 26.0, 1.3])
     step = numpy.array([1.0, 1.0, 0.02])
     damping = 1e-3
     here = seen_from(scene, guess)

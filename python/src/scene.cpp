@@ -331,7 +331,8 @@ void bind_scene(nb::module_& module) {
       },
       nb::arg("source"), nb::arg("variant"), nb::arg("scene"), nb::arg("animation").none(), nb::arg("time").none(),
       nb::arg("root"), nb::arg("texture_memory"),
-      nb::sig("def load(source: str | os.PathLike[str] | bytes | bytearray | memoryview, variant: str, scene: str, animation: "
+      nb::sig("def load(source: str | os.PathLike[str] | bytes | bytearray | memoryview, variant: str, scene: str, "
+              "animation: "
               "str | None, time: float | "
               "None, root: str, texture_memory: int) -> Scene"));
   module.def(
