@@ -10,6 +10,9 @@ import sys
 
 import bpy
 import mathutils
+import numpy
+
+numpy.bool = bool  # which Blender 3.4's importer of glTF still asks for, and newer versions of numpy have not
 
 
 def main():

@@ -205,4 +205,25 @@ void Renderer::draw_background(const FrameCamera& camera) {
   glDepthMask(GL_TRUE);
 }
 
+/// A ground hides what is below it from an eye above. Depth alone: what it shows is put behind the frame.
+void Renderer::draw_ground_depth(const FrameCamera& camera) {
+  if (!scene_->ground || !is_whole(settings_.quantity)) return;
+  const float height = scene_->ground->height - gpu_.origin().y;
+  const bool is_above = camera.is_perspective ? camera.eye.y > height : camera.back.y > 0.0f;
+  if (!is_above || !(gpu_.bounds().lower.y < height)) return;
+  const mat4 world_from_clip(glm::inverse(glm::dmat4(camera.clip_from_world)));
+  const gl::Program& program = programs_.fullscreen("ground_depth.frag.glsl");
+  glUseProgram(program.id());
+  const auto set = [&](const char* name, int column) {
+    glUniform4fv(program.uniform(name), 1, &world_from_clip[column][0]);
+  };
+  set("across", 0), set("upward", 1), set("along", 2), set("middle", 3);
+  glUniform1f(program.uniform("height"), height);
+  glBindVertexArray(nothing_);
+  glDisable(GL_CULL_FACE);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
 }  // namespace candela::raster

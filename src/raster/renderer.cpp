@@ -439,6 +439,7 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture, int frame) {
   const bool has_background = settings_.background == Background::environment && is_whole(settings_.quantity);
   // A background covers whatever was there.
   glClear(has_background ? GL_DEPTH_BUFFER_BIT : GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  draw_ground_depth(camera);
 
   PassKey pass;
   pass.has_lights = lights_.count + lights_.area_count > 0;

@@ -96,6 +96,7 @@ class Renderer {
   void draw_depth(const std::vector<std::size_t>& order, const FrameCamera& camera, bool has_cut_out);
   void draw_scattering(const FrameCamera& camera);
   void draw_background(const FrameCamera& camera);
+  void draw_ground_depth(const FrameCamera& camera);
   bool draw_culled(const std::vector<std::size_t>& opaque, const FrameCamera& camera);
   /// Whether to the eye a material has both sides.
   bool has_both_sides(const GpuMaterial& material) const;

@@ -147,6 +147,27 @@ TEST_F(law_raster_ground, mirrors_what_the_path_tracer_mirrors) {
   expect_shadows_near(a, c, 0.15f);  // blocks with an edge of the mirror image in them
 }
 
+TEST_F(law_raster_ground, hides_what_is_below_it_as_in_the_path_tracer) {
+  SceneBuilder b;
+  b.add(box({-0.4f, -0.3f, -0.4f}, {0.4f, 1.1f, 0.3f}), unlit({0.2f, 0.9f, 0.4f}));
+  Scene scene = b.build();
+  scene.ground = Ground{.height = 0.5f};
+  // From the side, and so near above the ground that it is before the near plane.
+  for (const vec3 eye : {vec3(1.4f, 1.9f, 3.5f), vec3(0.5f, 0.53f, 2.0f), vec3(0.5f, -1.0f, 2.0f)}) {
+    const View view = look_at(eye, {0, 0.4f, 0}, 0.5f);
+    path::Settings few = traced();
+    few.samples = 32;  // what is unlit has no noise
+    const Film drawn_film = test::draw(scene, sky(), view, drawn()), traced_film = shoot(scene, sky(), view, few);
+    double sum = 0.0;
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) {
+        sum += static_cast<double>(glm::length(drawn_film.beauty.rgb(x, y) - traced_film.beauty.rgb(x, y)));
+      }
+    }
+    EXPECT_LT(sum / (kSize * kSize), 0.02) << eye.y;
+  }
+}
+
 TEST_F(law_raster_ground, light_that_comes_from_below_is_the_grounds) {
   const Environment over = raster::environment_over_ground(sky(), {.color = vec3(0.2f, 0.4f, 0.8f)});
   const vec3 expected = vec3(0.2f, 0.4f, 0.8f) / kPi * irradiance_from_above(sky());
