@@ -99,7 +99,7 @@ struct LiveScene::Engines {
   std::shared_ptr<LiveStage> stage;
   std::mutex mutex;  ///< of the tracer and its light
   std::optional<path::Tracer> tracer;
-  std::optional<path::FarLight> far_light;
+  std::shared_ptr<const path::FarLight> far_light;
   Prepared traced;
 
   // ----- of the thread that draws
@@ -116,9 +116,9 @@ path::Tracer LiveScene::Engines::tracer_of(const Prepared& wanted, const Environ
   const StopScope scope(job.stop);
   const Stopwatch watch;
   const bool keeps_shapes = tracer && traced.has_same_shapes(wanted) && traced.shading == wanted.shading;
-  if (!far_light || !traced.has_same_environment(wanted)) {
+  if (far_light == nullptr || !traced.has_same_environment(wanted)) {
     far_light.reset();  // before there is another
-    far_light.emplace(lit);
+    far_light = std::make_shared<const path::FarLight>(lit);
   }
   if (keeps_shapes) {
     tracer.emplace(path::Tracer(*tracer, wanted.scene, *far_light));

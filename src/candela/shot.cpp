@@ -197,10 +197,11 @@ std::shared_ptr<const Scene> Take::first_scene() {
 
 /// Other takes on the stage may have it, but for light that is in a scene.
 const path::FarLight& Take::far_light() {
-  if (far_light_) return *far_light_;
+  if (far_light_ != nullptr) return *far_light_;
   const std::string key = fmt::format("{} {} {}", environment_.name, environment_.rotation, environment_.intensity);
   const Stopwatch watch;
-  far_light_ = has_own_light_ ? path::FarLight(environment_) : stage_->far_light(key, environment_);
+  far_light_ =
+      has_own_light_ ? std::make_shared<const path::FarLight>(environment_) : stage_->far_light(key, environment_);
   light_s_ = watch.seconds();
   return *far_light_;
 }

@@ -193,7 +193,7 @@ class Stage {
   /// Opened by the first call. Throws Error without OpenGL.
   std::shared_ptr<raster::Device> device();
   /// The light of that key, prepared for tracing; the last one is kept.
-  const path::FarLight& far_light(const std::string& key, const Environment& environment);
+  std::shared_ptr<const path::FarLight> far_light(const std::string& key, const Environment& environment);
   /// Of the takes on this stage, none unless it is given a capacity.
   SceneKeep& scenes() { return scenes_; }
 
@@ -205,7 +205,7 @@ class Stage {
   std::map<std::string, Loaded> environments_;
   std::shared_ptr<raster::Device> device_;
   std::string far_light_key_;
-  std::optional<path::FarLight> far_light_;
+  std::shared_ptr<const path::FarLight> far_light_;
   SceneKeep scenes_;
 };
 
@@ -347,9 +347,9 @@ class Take {
   std::optional<Ground> ground_;            ///< once a scene is there to stand on it
   std::shared_ptr<const Scene> scene_;      ///< of the first picture
   Environment environment_;
-  bool has_own_light_ = false;               ///< that is of the scene's file
-  std::optional<path::FarLight> far_light_;  ///< once something is traced
-  double light_s_ = 0.0;                     ///< what it took to prepare that, until a picture counts it
+  bool has_own_light_ = false;                       ///< that is of the scene's file
+  std::shared_ptr<const path::FarLight> far_light_;  ///< once something is traced
+  double light_s_ = 0.0;                             ///< what it took to prepare that, until a picture counts it
   std::unique_ptr<Viewpoints> viewpoints_;
   DevelopSettings develop_;
   std::optional<path::Tracer> tracer_;        ///< of the scene that was traced last

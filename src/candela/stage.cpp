@@ -22,13 +22,13 @@ std::shared_ptr<raster::Device> Stage::device() {
   return device_;
 }
 
-const path::FarLight& Stage::far_light(const std::string& key, const Environment& environment) {
-  if (!far_light_ || far_light_key_ != key) {
+std::shared_ptr<const path::FarLight> Stage::far_light(const std::string& key, const Environment& environment) {
+  if (far_light_ == nullptr || far_light_key_ != key) {
     far_light_.reset();  // before there is another
-    far_light_.emplace(environment);
+    far_light_ = std::make_shared<const path::FarLight>(environment);
     far_light_key_ = key;
   }
-  return *far_light_;
+  return far_light_;
 }
 
 }  // namespace candela
