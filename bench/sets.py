@@ -54,7 +54,7 @@ def views(o, folder):
     azimuths = [f"{360 * i / VIEWS:g}" for i in range(VIEWS)]
     rows = {
         "Candela, rasterizer": [[o.candela, "render", o.model, "--engine", "raster", "--env", o.env, "--size", f"{SIZE}x{SIZE}", "--turntable",
-                                 VIEWS, "--aov", "depth,normal,id", "-o", folder / "candela%03d.exr", "-q"]]
+                                 VIEWS, "--aov", "depth,normal,instance,material", "-o", folder / "candela%03d.exr", "-q"]]
     }  # fmt: skip
     if o.f3d_python:
         peer = [o.f3d_python, PEERS / "f3d_views.py", o.model, SIZE]
@@ -86,7 +86,7 @@ def thumbnails(o, folder):
 
 def turntable(o, folder):
     print("\n48 pictures of a turntable, path traced\n\n| | all, wall s | samples alone | ratio |\n|---|---|---|---|")
-    for size, samples in (("256x256", 16), ("512x512", 64)):
+    for size, samples in (("256x256", 16), ("512x512", 16)):
         best = None
         for _ in range(o.runs):
             stats = folder / "stats.json"

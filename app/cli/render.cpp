@@ -51,7 +51,7 @@ void warn_of_formats(const RenderOptions& o, Diagnostics& diagnostics) {
                        output.string());
     }
     const bool keeps_alpha = has_extension(output, ".png") || has_extension(output, ".webp") ||
-                             has_extension(output, ".exr") ||
+                             has_extension(output, ".exr") || has_extension(output, ".part") ||
                              (is_film(o, output.string()) && !has_extension(output, ".mp4"));
     const bool has_alpha = !o.background.color || o.background.opacity < 1.0f;
     if (o.background.kind == Background::transparent && has_alpha && !keeps_alpha) {
@@ -162,6 +162,11 @@ double finish_films(Films& films, const Stopwatch& total, ProgressLine& progress
   return watch.seconds();
 }
 
+void write_made_part(const fs::path& output, const PicturePart& part) {
+  const FolderFor folder(output);
+  write_part(output, part);
+}
+
 /// Where the pictures of a scene stand in a data set.
 struct DatasetPlace {
   Dataset* dataset = nullptr;  ///< null: there is none
@@ -184,6 +189,7 @@ TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::sh
   const PictureNames names = name_pictures(o, take.labels());
   check_overwriting(o, names, inputs);
   take.prepare();
+  if (o.checkpoint) take.set_checkpoint({.file = *o.checkpoint, .resumes = o.resumes});
   if (place.dataset != nullptr) place.dataset->check(take.views());
   warn_of_formats(o, diagnostics);
   Times times{.load_s = total.seconds()};
@@ -198,13 +204,18 @@ TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::sh
   Films films(o);
   std::size_t index = 0;
   if (!job.progress) job = progress.job();
-  job.partial = [&](const Film& film) { partial.write(stills_of(o, names[index]), film, take.develop()); };
+  if (!o.shot.part)
+    job.partial = [&](const Film& film) { partial.write(stills_of(o, names[index]), film, take.develop()); };
   TakeResult result = take.render(
       [&](const TakenPicture& picture) {
         const Stopwatch writing;
         const std::vector<fs::path>& outputs = names[index++];
         const std::vector<fs::path> stills = stills_of(o, outputs);
-        write_outputs(stills, picture.film, picture.develop);
+        if (picture.part) {
+          for (const fs::path& output : stills) write_made_part(output, *picture.part);
+        } else {
+          write_outputs(stills, picture.film, picture.develop);
+        }
         add_to_films(o, take, picture, outputs, films);
         if (place.dataset != nullptr) place.dataset->add(picture, outputs[0], place.scene, o.stems[place.scene]);
         times.write_s += writing.seconds();
@@ -215,6 +226,10 @@ TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::sh
       },
       job);
   times.write_s += finish_films(films, total, progress);
+  if (o.checkpoint && !result.interrupted) {
+    std::error_code code;
+    fs::remove(*o.checkpoint, code);  // the picture is there
+  }
   times.denoise_s = result.denoise_s;
   times.total_s = total.seconds();
   if (is_raster) {

@@ -205,6 +205,13 @@ void add_running(Command& command, RenderOptions& o) {
     if (value.empty()) throw UsageError("the name is empty");
     return fs::path(value);
   };
+  add_value(command, "--part", "K/N", o.shot.part, parse_part,
+            "The K-th of N parts of the samples, into -o FILE.part, for candela merge")
+      .group(group);
+  add_value(command, "--checkpoint", "FILE", o.checkpoint, file_name,
+            "Keep the picture so far there every few seconds, until it is done")
+      .group(group);
+  command.flag("--resume", o.resumes, "Go on from --checkpoint's file where it is there").group(group);
   add_value(command, "--stats", "FILE.json", o.stats, file_name,
             "Times, rays, memory and warnings as JSON; - is standard output")
       .group(group);
@@ -286,6 +293,8 @@ constexpr const char* kExamples = R"(Examples:
   candela render fox.glb -o run/%03d.png --engine raster --animation Run --sequence 30
   candela render a.glb b.glb models/ -o pictures/ --engine raster --size 256x256
   candela render city.gltf -o city.jpg --size 3840x2160 --time 10min --stats city.json
+  candela render city.gltf -o city.exr --spp 4096 --checkpoint city.checkpoint --resume
+  candela render city.gltf -o city-3.part --spp 4096 --part 3/8
 )";
 
 /// What most pictures need.
@@ -348,6 +357,29 @@ void check_dataset(const Command& command, RenderOptions& o) {
   o.outputs = {names.pattern(0, 1, o.stems[0], o.shot.has_many_pictures()).string()};
 }
 
+/// A part is one traced picture's, and goes into files that only merge reads.
+void check_part(const Command& command, const RenderOptions& o) {
+  const Shot& shot = o.shot;
+  if (o.resumes && !o.checkpoint) throw UsageError("--resume: from which --checkpoint?");
+  const bool is_one = !shot.has_many_pictures() && !o.is_batch && shot.shutter_s == 0.0 && !o.dataset;
+  for (const auto& [option, is_given] :
+       {std::pair{"--part", shot.part.has_value()}, {"--checkpoint", o.checkpoint.has_value()}}) {
+    if (is_given && !is_one) throw UsageError(std::string(option) + ": one picture without motion blur at a time");
+  }
+  for (const std::string& output : o.outputs) {
+    if (has_extension(output, ".part") != shot.part.has_value()) {
+      throw UsageError(shot.part ? "--output: a part of a picture is a .part: " + output
+                                 : "--output: a .part is for --part: " + output);
+    }
+  }
+  if (!shot.part) return;
+  if (o.outputs.empty()) throw UsageError("--part: where to is missing: -o FILE.part");
+  for (const char* option : {"--time", "--noise"}) {
+    if (command.has(option)) throw UsageError(std::string(option) + ": parts have their numbers of samples: --spp");
+  }
+  if (shot.traced.noise) throw UsageError("--quality: it stops by noise, and a part has its number of samples: --spp");
+}
+
 /// Several scenes, or one into a folder.
 void check_batch(const Command& command, RenderOptions& o) {
   // A folder named like a picture is more likely in the way than meant.
@@ -374,6 +406,7 @@ void check_outputs(const Command& command, RenderOptions& o) {
   for (const auto& [one, many] : {std::pair{"--variant", "--variants"}, std::pair{"--animation", "--animations"}}) {
     if (command.has(one) && command.has(many)) throw UsageError(fmt::format("{} excludes {}", one, many));
   }
+  check_part(command, o);
   check_dataset(command, o);
   check_batch(command, o);
   if (o.is_batch) return;
@@ -393,7 +426,7 @@ void check_outputs(const Command& command, RenderOptions& o) {
     }
     if (!piped.empty()) continue;
     try {
-      if (!is_film(o, output)) check_output_extension(output);
+      if (!is_film(o, output) && !o.shot.part) check_output_extension(output);
     } catch (const Error& error) {
       throw UsageError(std::string("--output: ") + error.what());
     }
@@ -410,7 +443,7 @@ void check_outputs(const Command& command, RenderOptions& o) {
     throw UsageError("--fps: only for a film: -o FILE.mp4, .webm, .webp or .gif");
   }
   for (const char* option : {"--aov", "--cryptomatte"}) {
-    if (command.has(option) && !any_exr) {
+    if (command.has(option) && !any_exr && !o.shot.part) {
       throw UsageError(std::string(option) + ": only an .exr holds layers; add -o FILE.exr");
     }
   }
@@ -458,7 +491,8 @@ void check_engine(const Command& command, const RenderOptions& o) {
     }
   };
   if (is_raster) {
-    refuse({"--time", "--noise", "--denoise", "--bounces", "--seed", "--filter", "--integrator", "--clamp"},
+    refuse({"--time", "--noise", "--denoise", "--bounces", "--seed", "--filter", "--integrator", "--clamp", "--part",
+            "--checkpoint"},
            "only for --engine path");
   } else {
     refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao", "--soft-shadows", "--light-radius", "--ambient",

@@ -36,6 +36,8 @@ struct RenderOptions {
   std::optional<std::filesystem::path> stats;            ///< "-" is standard output
   std::optional<std::filesystem::path> camera_file;      ///< --cameras
   std::optional<std::filesystem::path> written_cameras;  ///< --write-cameras
+  std::optional<std::filesystem::path> checkpoint;
+  bool resumes = false;
   std::optional<DatasetKind> dataset;
   std::filesystem::path dataset_folder;
   std::optional<InstanceKind> instances;   ///< of the data set

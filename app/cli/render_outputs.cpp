@@ -159,6 +159,7 @@ void check_overwriting(const RenderOptions& o, const PictureNames& names, const 
   }
   if (o.stats && *o.stats != "-") check(*o.stats, "");
   if (o.written_cameras) check(*o.written_cameras, "");
+  if (o.checkpoint) check(*o.checkpoint, "");
   if (o.dataset) inputs.refuse_folder(o.dataset_folder);
 }
 
@@ -172,6 +173,7 @@ void check_paths(const RenderOptions& o) {
   }
   if (o.stats && *o.stats != "-") check_writable(*o.stats);
   if (o.written_cameras) check_writable(*o.written_cameras);
+  if (o.checkpoint) check_writable(*o.checkpoint);
 }
 
 void choose_default_name(RenderOptions& o, const std::vector<PictureLabel>& labels, const Inputs& inputs) {

@@ -12,6 +12,7 @@ namespace candela::cli {
 /// Each verb adds its options to its command and returns what to do when the user names it.
 using Verb = std::function<void()>;
 Verb add_render(Command& command);
+Verb add_merge(Command& command);
 Verb add_preview(Command& command);
 Verb add_info(Command& command);
 Verb add_furnace(Command& command);
@@ -29,6 +30,7 @@ struct VerbInfo {
 /// What `candela` can do: a verb is a row here, and a file.
 inline constexpr auto kVerbs = std::to_array<VerbInfo>({
     {"render", "Render a glTF scene to a picture", add_render},
+    {"merge", "Make one picture of parts that several machines rendered", add_merge},
     {"preview", "Show a model at one glance: four views, size, materials, findings", add_preview},
     {"info", "Say what a scene, an image or a texture file holds", add_info},
     {"furnace", "Measure what the materials do with light", add_furnace},

@@ -406,7 +406,9 @@ Film Take::trace_one(std::size_t index, const Job& job, path::Statistics& statis
     tracer_.emplace(new_tracer(scene_shown_));
     build_s = tracer_->build_s();
   }
-  Film film = tracer_->render(view_at(tracer_->scene(), index), settings_of_trace(), job, &statistics);
+  Film film = shot_.part || checkpoint_
+                  ? trace_kept(index, job, statistics)
+                  : tracer_->render(view_at(tracer_->scene(), index), settings_of_trace(), job, &statistics);
   statistics.build_s = build_s + std::exchange(light_s_, 0.0);
   return film;
 }
@@ -473,13 +475,15 @@ TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job&
     TakenPicture picture{.index = index, .label = planned_[index].label};
     picture.film = trace_one(index, part, picture.traced);
     if (picture.traced.samples == 0) throw Interrupted("before the first sample: no picture");
-    if (shot_.denoiser) {
+    if (shot_.part && picture.traced.interrupted) throw Interrupted("the part is not whole, and was not written");
+    if (shot_.denoiser && !shot_.part) {
       take_noise_out(*shot_.denoiser, picture, parts.part(index, prefix_of(index, result.asked)),
                      [this](std::string message) { warn(std::move(message)); });
     }
     result.denoise_s += picture.denoise_s;
     picture.film.metadata.merge(metadata(index, picture.traced.mean_samples_per_pixel, picture.is_denoised));
     complete(picture);
+    if (shot_.part) picture.part = part_of(picture);
     add_work(picture.traced, result.traced);
     result.traced.mean_samples_per_pixel = picture.traced.mean_samples_per_pixel;
     hand_over(std::move(picture), result, take);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "candela/candela.h"
+#include "candela/part.h"
 #include "candela/scene_keep.h"
 #include "denoise/denoise.h"
 #include "scene/posed_camera.h"
@@ -56,6 +58,7 @@ struct Shot {
   path::Settings traced = {};                    ///< for the path tracer only; the members above take precedence
   raster::Settings drawn = {};                   ///< for the rasterizer only, likewise
   std::optional<denoise::Method> denoiser = {};  ///< of traced pictures; Film::noisy has them as they were
+  std::optional<PartRange> part = {};            ///< of the samples that are traced; the picture is one of its parts
   int probes = 0;                                ///< for the rasterizer: places where light within the scene is traced
 
   // ----- the viewpoint: the first of these that is given, else default_view()
@@ -217,7 +220,8 @@ struct TakenPicture {
   path::Statistics traced = {};             ///< of the engine that made it
   raster::Statistics drawn = {};
   double denoise_s = 0.0;
-  bool is_denoised = false;  ///< not where a stop came first
+  bool is_denoised = false;                      ///< not where a stop came first
+  std::shared_ptr<const PicturePart> part = {};  ///< where Shot::part is: what write_part() takes
   bool is_whole() const { return !traced.interrupted && !drawn.interrupted; }
 };
 
@@ -230,6 +234,13 @@ struct TakeResult {
   path::Statistics traced = {};     ///< of all, by the engine that made them
   raster::Statistics drawn = {};
   double denoise_s = 0.0;
+};
+
+/// Where a picture is kept while it is traced, so that little of the work is lost with the machine.
+struct Checkpoint {
+  std::filesystem::path file;
+  double interval_s = 5.0;  ///< at least; longer where writing takes more than a tenth of it
+  bool resumes = false;     ///< goes on from the file where it is there
 };
 
 /// A shot in progress: its file is open, its pictures can be made. Warnings go to `diagnostics`, which must outlive it.
@@ -257,6 +268,12 @@ class Take {
   /// under the environment that the reference has, but for image-based light of the scene's own; on one ground, in one
   /// exposure. Throws Error where the two do not make the same pictures.
   void prepare_beside(Take& reference);
+  /// Keeps the picture so far in a file while it is traced, and removes it once the picture is handed over. Of shots of
+  /// one traced picture. Call it before render(). Throws Error.
+  void set_checkpoint(Checkpoint checkpoint);
+  /// A number that pictures have in common which are made of the same files, by the same version, with the same
+  /// settings: parts of them can be merged. After prepare().
+  std::string key() const;
   /// How its pictures are developed, as far as known; after prepare().
   const DevelopSettings& develop() const { return develop_; }
   /// From where every picture is taken, in their order, at the shot's first moment; after prepare().
@@ -308,6 +325,10 @@ class Take {
   Image motion_of(const TakenPicture& picture);
   void complete(TakenPicture& picture);
   Film trace_one(std::size_t index, const Job& job, path::Statistics& statistics);
+  Film trace_kept(std::size_t index, Job job, path::Statistics& statistics);
+  void keep(const path::Picture& picture, const std::string& key) const;
+  bool resume(path::Picture& picture, const std::string& key) const;
+  std::shared_ptr<const PicturePart> part_of(const TakenPicture& picture) const;
   Film trace_moving(std::size_t index, const Job& job, path::Statistics& statistics);
   TakeResult draw(const std::function<void(TakenPicture)>& take, const Job& job);
   void make_drawable(std::size_t index, std::unique_ptr<raster::Drawer>& drawer, const Job& job);
@@ -333,6 +354,9 @@ class Take {
   DevelopSettings develop_;
   std::optional<path::Tracer> tracer_;        ///< of the scene that was traced last
   std::shared_ptr<const Scene> scene_shown_;  ///< of the picture at hand
+  std::optional<Checkpoint> checkpoint_;
+  std::vector<std::byte> sums_;  ///< of the part at hand
+  bool has_through_ = false;     ///< likewise
 };
 
 }  // namespace candela

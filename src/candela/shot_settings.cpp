@@ -1,3 +1,8 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
 #include "base/named_row.h"
 #include "candela/shot.h"
 
@@ -40,6 +45,22 @@ Settings with_picture(Settings settings, const Shot& shot) {
   return settings;
 }
 
+/// Parts have whole blocks of samples, as even as can be.
+void set_part(const PartRange& part, path::Settings& settings) {
+  constexpr int kBlock = path::kSamplesOfBlock;
+  const int blocks = (settings.samples + kBlock - 1) / kBlock;
+  if (part.count > blocks) {
+    throw Error(fmt::format("{} samples are {} of sixteen: no more parts than that", settings.samples,
+                            blocks == 1 ? "one block" : fmt::format("{} blocks", blocks)),
+                "--part");
+  }
+  const auto first_block = [&](int index) {
+    return static_cast<int>(static_cast<std::int64_t>(blocks) * index / part.count);
+  };
+  settings.first_sample = kBlock * first_block(part.index - 1);
+  settings.samples = std::min(settings.samples, kBlock * first_block(part.index));
+}
+
 }  // namespace
 
 path::Settings traced_settings(const Shot& shot) {
@@ -47,6 +68,7 @@ path::Settings traced_settings(const Shot& shot) {
   settings.has_features |= shot.denoiser.has_value();
   if (shot.exposure) settings.develop.exposure = *shot.exposure;
   settings.develop.tone_curve = shot.tone_curve;
+  if (shot.part) set_part(*shot.part, settings);
   return settings;
 }
 raster::Settings drawn_settings(const Shot& shot) { return with_picture(shot.drawn, shot); }

@@ -1,4 +1,3 @@
-#include <zstd.h>
 
 #include <algorithm>
 #include <array>
@@ -7,6 +6,7 @@
 
 #include "image/codec.h"
 #include "image/texture_codec.h"
+#include "image/zstandard.h"
 
 // Khronos Group, "KTX File Format Specification" 2.0 and "Khronos Data Format Specification" 1.3, § 5 (the basic
 // descriptor block).
@@ -276,14 +276,6 @@ void pack_descriptor(ByteWriter& out, const TexelLayout& layout) {
   }
 }
 
-std::vector<std::byte> compressed(std::span<const std::byte> bytes, int level, const std::string& where) {
-  std::vector<std::byte> out(ZSTD_compressBound(bytes.size()));
-  const std::size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), level);
-  if (ZSTD_isError(size) != 0) throw Error(std::string("cannot compress: ") + ZSTD_getErrorName(size), where);
-  out.resize(size);
-  return out;
-}
-
 std::vector<std::byte> joined(const std::vector<std::vector<std::byte>>& faces) {
   std::vector<std::byte> out;
   for (const auto& face : faces) out.insert(out.end(), face.begin(), face.end());
@@ -343,7 +335,7 @@ StoredTexture parse_ktx2(std::span<const std::byte> bytes, const std::string& wh
   return texture;
 }
 
-std::vector<std::byte> pack_ktx2(const EncodedTexture& texture, bool zstd, int zstd_level, const std::string& where) {
+std::vector<std::byte> pack_ktx2(const EncodedTexture& texture, bool zstd, int zstd_level) {
   const TexelLayout& layout = texel_layout(texture.format);
   ByteWriter out;
   out.text(kIdentifier);
@@ -376,7 +368,7 @@ std::vector<std::byte> pack_ktx2(const EncodedTexture& texture, bool zstd, int z
   for (std::size_t level = texture.levels.size(); level-- > 0;) {
     std::vector<std::byte> data = joined(texture.levels[level]);
     const std::size_t uncompressed = data.size();
-    if (zstd) data = compressed(data, zstd_level, where);
+    if (zstd) data = zstandard_packed(data, zstd_level);
     out.align(alignment);
     const std::size_t entry = kHeaderBytes + kLevelIndexBytes * level;
     out.put_u64(entry, out.bytes.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "base/named_row.h"
 
 namespace candela {
@@ -23,6 +24,38 @@ void MatteSums::add(const Mattes& mattes, float share) {
     for (std::size_t r = 0; r < Mattes::kRanks && mattes.at(i)[r].coverage > 0.0f; ++r) {
       add(i, mattes.at(i)[r].number, share * mattes.at(i)[r].coverage);
     }
+  }
+}
+
+void MatteSums::add(const MatteSums& other) {
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    for (const Matte& m : other.pixels_[i]) add(i, m.number, m.coverage);
+  }
+}
+
+void MatteSums::write(std::vector<std::byte>& bytes) const {
+  const auto append = [&](const auto& values) {
+    const auto raw = std::as_bytes(std::span(values));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+  };
+  for (const std::vector<Matte>& list : pixels_) {
+    append(std::array{static_cast<std::uint32_t>(list.size())});
+    append(list);
+  }
+}
+
+void MatteSums::read(std::span<const std::byte>& bytes) {
+  const auto take = [&](std::span<std::byte> into) {
+    if (bytes.size() < into.size()) throw Error("the mattes end before their pixels do");
+    std::copy_n(bytes.begin(), into.size(), into.begin());
+    bytes = bytes.subspan(into.size());
+  };
+  for (std::vector<Matte>& list : pixels_) {
+    std::array<std::uint32_t, 1> count{};
+    take(std::as_writable_bytes(std::span(count)));
+    if (count[0] > bytes.size() / sizeof(Matte)) throw Error("the mattes end before their pixels do");
+    list.resize(count[0]);
+    take(std::as_writable_bytes(std::span(list)));
   }
 }
 

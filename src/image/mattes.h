@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,10 @@ class MatteSums {
 
   void add(std::size_t pixel, std::uint32_t number, float share);
   void add(const Mattes& mattes, float share);
+  void add(const MatteSums& other);
+  /// As bytes, and from there; `read` takes what it needs of what it is given. Throws Error where it is too little.
+  void write(std::vector<std::byte>& bytes) const;
+  void read(std::span<const std::byte>& bytes);
   /// Those of a pixel are multiplied by `scale(pixel)`.
   template <class Scale>
   Mattes mattes(Scale scale) const {

@@ -53,7 +53,7 @@ struct EncodedTexture {
   std::map<std::string, std::string> key_values;
 };
 
-std::vector<std::byte> pack_ktx2(const EncodedTexture& texture, bool zstd, int zstd_level, const std::string& where);
+std::vector<std::byte> pack_ktx2(const EncodedTexture& texture, bool zstd, int zstd_level);
 std::vector<std::byte> pack_ktx1(const EncodedTexture& texture, bool has_filament_type);
 std::vector<std::byte> pack_dds(const EncodedTexture& texture, const std::string& where);
 

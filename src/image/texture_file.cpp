@@ -1,7 +1,6 @@
 #include "image/texture_file.h"
 
 #include <zlib.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +12,7 @@
 #include "base/parallel.h"
 #include "image/codec.h"
 #include "image/texture_codec.h"
+#include "image/zstandard.h"
 #include "shade/color.glsl.h"
 
 namespace candela {
@@ -68,8 +68,11 @@ std::vector<std::byte> unpack(std::span<const std::byte> packed, std::uint64_t s
   std::vector<std::byte> out(static_cast<std::size_t>(size));
   bool good = false;
   if (packing == Packing::zstd) {
-    const std::size_t got = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
-    good = ZSTD_isError(got) == 0 && got == out.size();
+    try {
+      return zstandard_unpacked(packed, out.size());
+    } catch (const Error&) {
+      // Told below.
+    }
   } else {
     uLongf got = out.size();
     good = uncompress(reinterpret_cast<Bytef*>(out.data()), &got, reinterpret_cast<const Bytef*>(packed.data()),
@@ -182,7 +185,7 @@ void check_size(int width, int height, TexelFormat format, const std::string& wh
 std::vector<std::byte> pack(const EncodedTexture& texture, const TextureOptions& options, const std::string& where) {
   switch (options.container) {
     case TextureContainer::ktx2:
-      return codec::pack_ktx2(texture, options.zstd, options.zstd_level, where);
+      return codec::pack_ktx2(texture, options.zstd, options.zstd_level);
     case TextureContainer::ktx1:
       return codec::pack_ktx1(texture, options.has_filament_type);
     case TextureContainer::dds:

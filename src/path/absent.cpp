@@ -33,6 +33,10 @@ Picture::~Picture() = default;
 void Picture::trace(int, const Job&) { refuse(); }
 Film Picture::film() const { refuse(); }
 Statistics Picture::statistics() const { refuse(); }
+const Accumulator& Picture::sums() const { refuse(); }
+bool Picture::has_through() const { refuse(); }
+std::vector<std::byte> Picture::state() const { refuse(); }
+void Picture::set_state(std::span<const std::byte>) { refuse(); }
 
 Film render(const Scene&, const Environment&, const View&, const Settings&, const Job&, Statistics*) { refuse(); }
 Cubemap capture_environment(const Tracer&, vec3, int, const Settings&, const Job&, Statistics*) { refuse(); }

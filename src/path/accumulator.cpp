@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/error.h"
 #include "base/parallel.h"
 
 namespace candela::path {
@@ -69,52 +70,57 @@ Accumulator::Accumulator(const Settings& settings, bool has_through)
   for (const Layer layer : settings.layers) {
     if (layer_info(layer).has_mean) mean_layers_.push_back(layer);
   }
-  layers_.resize(n * mean_layers_.size(), vec3(0.0f));
+  layers_.resize(n * mean_layers_.size());
   for (const MatteKind kind : settings.mattes) mattes_.emplace(kind, MatteSums(width_, height_));
   if (has_through) through_.resize(n);
   if (settings.has_features) features_.resize(n);
-  if (settings.noise) half_luminance_.resize(n);
+  if (settings.noise) luminance2_.resize(n), half_luminance_.resize(n);
 }
 
 std::uint64_t Accumulator::bytes_per_pixel(const Settings& settings) {
   const bool may_have_through = settings.background == Background::transparent;
   // Judging noise takes what is metered, with copies to sort, and the errors.
-  constexpr std::size_t kJudging = sizeof(float) * (1 + 8 + 3 + 1);
+  constexpr std::size_t kJudging = sizeof(float) * (1 + 8 + 3 + 1) + sizeof(double);
   constexpr std::size_t kMattes = sizeof(std::vector<Matte>) + 4 * sizeof(Matte);  // few pixels have more
   return sizeof(Pixel) + (settings.has_features ? sizeof(Features) : 0) + (settings.noise ? kJudging : 0) +
          (may_have_through ? sizeof(Through) + 4 * sizeof(float) : 0) +
-         sizeof(vec3) * count_mean_layers(settings.layers) + kMattes * settings.mattes.size();
+         3 * sizeof(ExactSmallSum) * count_mean_layers(settings.layers) + kMattes * settings.mattes.size();
 }
 
-bool Accumulator::add(int x, int y, const PathSample& sample) {
+bool Accumulator::add(int x, int y, std::uint32_t number, const PathSample& sample) {
   if (!is_finite(sample.radiance)) return false;
   const std::size_t i = index(x, y);
   Pixel& p = pixels_[i];
-  p.r += static_cast<double>(sample.radiance.x);
-  p.g += static_cast<double>(sample.radiance.y);
-  p.b += static_cast<double>(sample.radiance.z);
-  const auto l = static_cast<double>(luminance(sample.radiance));
-  p.luminance2 += l * l;
+  p.r.add(sample.radiance.x);
+  p.g.add(sample.radiance.y);
+  p.b.add(sample.radiance.z);
   p.alpha += sample.alpha;
   ++p.count;
   for (std::size_t k = 0; k < mean_layers_.size(); ++k) {
     // One normal serves both spaces.
     const Layer from = mean_layers_[k] == Layer::camera_normal ? Layer::normal : mean_layers_[k];
-    layers_[i * mean_layers_.size() + k] += sample.of(from);
+    for (int c = 0; c < 3; ++c)
+      layers_[i * mean_layers_.size() + k][static_cast<std::size_t>(c)].add(sample.of(from)[c]);
   }
-  if (!half_luminance_.empty() && ((p.count - 1) & kHalf) == 0) half_luminance_[i] += static_cast<float>(l);
+  const bool is_first_half = (number & kHalf) == 0;
+  if (!luminance2_.empty()) {
+    const float l = luminance(sample.radiance);
+    luminance2_[i] += static_cast<double>(l) * static_cast<double>(l);
+    if (is_first_half) half_luminance_[i] += l;
+  }
   if (!features_.empty()) {
     Features& f = features_[i];
-    f.albedo += sample.feature_albedo;
-    f.normal += sample.feature_normal;
-    f.albedo2 += glm::dot(sample.feature_albedo, sample.feature_albedo);
-    f.normal2 += glm::dot(sample.feature_normal, sample.feature_normal);
-    f.seen += sample.seen;
-    const float seen = luminance(sample.seen);
+    const dvec3 albedo(sample.feature_albedo), normal(sample.feature_normal);
+    f.albedo += albedo;
+    f.normal += normal;
+    f.albedo2 += glm::dot(albedo, albedo);
+    f.normal2 += glm::dot(normal, normal);
+    f.seen += dvec3(sample.seen);
+    const auto seen = static_cast<double>(luminance(sample.seen));
     f.seen2 += seen * seen;
-    const vec3 other = sample.radiance - sample.seen;
+    const dvec3 other(sample.radiance - sample.seen);
     f.other2 += other * other;
-    if (((p.count - 1) & kHalf) == 0) {
+    if (is_first_half) {
       f.other_half += other;
       f.seen_half += seen;
       ++f.count_half;
@@ -125,9 +131,59 @@ bool Accumulator::add(int x, int y, const PathSample& sample) {
     const dvec3 through(sample.through);
     t.sum += through;
     t.luminance2 += luminance(through) * luminance(through);
-    if (((p.count - 1) & kHalf) == 0) t.half += luminance(through);
+    if (is_first_half) t.half += luminance(through);
   }
   return true;
+}
+
+void Accumulator::add(const Features& from, Features& to) {
+  to.albedo += from.albedo, to.normal += from.normal, to.seen += from.seen;
+  to.albedo2 += from.albedo2, to.normal2 += from.normal2;
+  to.seen2 += from.seen2, to.seen_half += from.seen_half;
+  to.other2 += from.other2, to.other_half += from.other_half;
+  to.count_half += from.count_half;
+}
+
+void Accumulator::add(const Accumulator& other) {
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    Pixel& p = pixels_[i];
+    const Pixel& q = other.pixels_[i];
+    p.r.add(q.r), p.g.add(q.g), p.b.add(q.b);
+    p.alpha += q.alpha;
+    p.count += q.count;
+  }
+  for (std::size_t i = 0; i < luminance2_.size(); ++i) {
+    luminance2_[i] += other.luminance2_[i];
+    half_luminance_[i] += other.half_luminance_[i];
+  }
+  for (std::size_t i = 0; i < features_.size(); ++i) add(other.features_[i], features_[i]);
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) layers_[i][c].add(other.layers_[i][c]);
+  }
+  for (std::size_t i = 0; i < through_.size(); ++i) {
+    through_[i].sum += other.through_[i].sum;
+    through_[i].luminance2 += other.through_[i].luminance2;
+    through_[i].half += other.through_[i].half;
+  }
+  for (auto& [kind, sums] : mattes_) sums.add(other.mattes_.at(kind));
+}
+
+void Accumulator::write(std::vector<std::byte>& bytes) const {
+  for_sums(*this, [&](const auto& sums) {
+    const auto raw = std::as_bytes(std::span(sums));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+  });
+  for (const auto& [kind, sums] : mattes_) sums.write(bytes);
+}
+
+void Accumulator::read(std::span<const std::byte>& bytes) {
+  for_sums(*this, [&](auto& sums) {
+    const auto raw = std::as_writable_bytes(std::span(sums));
+    if (bytes.size() < raw.size()) throw Error("the sums end before their pixels do");
+    std::copy_n(bytes.begin(), raw.size(), raw.begin());
+    bytes = bytes.subspan(raw.size());
+  });
+  for (auto& [kind, sums] : mattes_) sums.read(bytes);
 }
 
 Accumulator::Light Accumulator::light(std::size_t i, float background) const {
@@ -137,8 +193,8 @@ Accumulator::Light Accumulator::light(std::size_t i, float background) const {
   const auto variance_of_mean = [n](double mean, double sum2) {
     return std::max(sum2 / n - mean * mean, 0.0) / (n - 1.0);
   };
-  dvec3 mean = dvec3(p.r, p.g, p.b) / n;
-  double variance = variance_of_mean(luminance(mean), p.luminance2);
+  dvec3 mean = p.sum() / n;
+  double variance = variance_of_mean(luminance(mean), luminance2_[i]);
   if (!through_.empty()) {
     // Mostly a sample has either light or background; which, is part of the noise.
     const Through& t = through_[i];
@@ -156,7 +212,7 @@ float Accumulator::mean_of_what_is_there() const {
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const Pixel& p = pixels_[i];
     if (p.count == 0) continue;
-    sum += luminance(dvec3(p.r, p.g, p.b)) / p.count;
+    sum += luminance(p.sum()) / p.count;
     kept += 1.0 - luminance(through_[i].sum) / p.count;
   }
   return kept > 0.0 ? static_cast<float>(sum / kept) : 0.0f;
@@ -176,8 +232,8 @@ float Accumulator::gain_of_points(std::size_t i) const {
   const std::uint32_t first = p.count / (2 * kHalf) * kHalf + std::min(p.count % (2 * kHalf), kHalf);
   if (first == p.count || first == 0) return -1.0f;
   const double n = p.count, a = first, b = n - a;
-  const double mean = luminance(dvec3(p.r, p.g, p.b)) / n;
-  const double told = std::max(p.luminance2 / n - mean * mean, 0.0) / (n - 1.0);
+  const double mean = luminance(p.sum()) / n;
+  const double told = std::max(luminance2_[i] / n - mean * mean, 0.0) / (n - 1.0);
   if (!(told > 1e-12 * mean * mean)) return -1.0f;
   const auto half = static_cast<double>(half_luminance_[i]);
   const double apart = half / a - (mean * n - half) / b;
@@ -229,32 +285,33 @@ void Accumulator::resolve_features(DenoisingFeatures& features) const {
   for (std::size_t i = 0; i < features_.size(); ++i) {
     const Features& f = features_[i];
     const Pixel& p = pixels_[i];
-    const float n = static_cast<float>(std::max(p.count, 1U));
-    const float divisor = n > 1.0f ? n - 1.0f : 1.0f;
-    const auto variance_of_mean = [&](float mean2, float sum2) { return std::max(sum2 / n - mean2, 0.0f) / divisor; };
-    const vec3 albedo = f.albedo / n, normal = f.normal / n, seen = f.seen / n;
-    const vec3 other = vec3(dvec3(p.r, p.g, p.b)) / n - seen;
+    const double n = std::max(p.count, 1U), divisor = n > 1.0 ? n - 1.0 : 1.0;
+    const auto variance_of_mean = [&](double mean2, double sum2) {
+      return static_cast<float>(std::max(sum2 / n - mean2, 0.0) / divisor);
+    };
+    const dvec3 albedo = f.albedo / n, normal = f.normal / n, seen = f.seen / n;
+    const dvec3 other = p.sum() / n - seen;
     for (int c = 0; c < 3; ++c) {
       const auto k = 3 * i + static_cast<std::size_t>(c);
-      features.albedo.pixels[k] = albedo[c];
-      features.normal.pixels[k] = normal[c];
-      features.seen.pixels[4 * i + static_cast<std::size_t>(c)] = seen[c];
+      features.albedo.pixels[k] = static_cast<float>(albedo[c]);
+      features.normal.pixels[k] = static_cast<float>(normal[c]);
+      features.seen.pixels[4 * i + static_cast<std::size_t>(c)] = static_cast<float>(seen[c]);
       // One sample has no variance that one could see: it is as large as what it measures.
       features.variance.pixels[k] =
-          p.count > 1 ? variance_of_mean(other[c] * other[c], f.other2[c]) : other[c] * other[c];
+          p.count > 1 ? variance_of_mean(other[c] * other[c], f.other2[c]) : static_cast<float>(other[c] * other[c]);
     }
     features.albedo_variance.pixels[i] = variance_of_mean(glm::dot(albedo, albedo), f.albedo2) / 3.0f;
     features.normal_variance.pixels[i] = variance_of_mean(glm::dot(normal, normal), f.normal2) / 3.0f;
-    const float level = luminance(seen);
+    const double level = luminance(seen);
     seen_variance.pixels[i] = variance_of_mean(level * level, f.seen2);
-    const auto first = static_cast<float>(f.count_half), second = static_cast<float>(p.count - f.count_half);
+    const auto first = static_cast<double>(f.count_half), second = n - first;
     halves.pixels[i] = halves_seen.pixels[i] = -1.0f;
-    if (second < 1.0f) continue;
+    if (first < 1.0 || second < 1.0) continue;
     // Of two means that are apart by d the weighted mean errs by d² ab/(a + b)².
-    const vec3 apart = f.other_half / first - (other * n - f.other_half) / second;
-    halves.pixels[i] = glm::dot(apart, apart) * first * second / (n * n);
-    const float seen_apart = f.seen_half / first - (level * n - f.seen_half) / second;
-    halves_seen.pixels[i] = seen_apart * seen_apart * first * second / (n * n);
+    const dvec3 apart = f.other_half / first - (other * n - f.other_half) / second;
+    halves.pixels[i] = static_cast<float>(glm::dot(apart, apart) * first * second / (n * n));
+    const double seen_apart = f.seen_half / first - (level * n - f.seen_half) / second;
+    halves_seen.pixels[i] = static_cast<float>(seen_apart * seen_apart * first * second / (n * n));
   }
   scale_variance(halves, features.variance);
   constexpr std::uint32_t kFew = 4;
@@ -274,7 +331,8 @@ void Accumulator::resolve_through_variance(DenoisingFeatures& features) const {
   Image halves(width_, height_, 1);
   for (std::size_t i = 0; i < through_.size(); ++i) {
     const Through& t = through_[i];
-    const double n = std::max(pixels_[i].count, 1U), first = features_[i].count_half, second = n - first;
+    const double n = std::max(pixels_[i].count, 1U), first = static_cast<double>(features_[i].count_half),
+                 second = n - first;
     const double mean = luminance(t.sum) / n;
     const double variance = n > 1.0 ? std::max(t.luminance2 / n - mean * mean, 0.0) / (n - 1.0) : mean * mean;
     for (std::size_t c = 0; c < 3; ++c) features.through_variance.pixels[3 * i + c] = static_cast<float>(variance);
@@ -291,9 +349,8 @@ void Accumulator::resolve_beauty(Film& film) const {
     if (p.count == 0) continue;
     const double scale = 1.0 / p.count;
     float* out = film.beauty.pixels.data() + 4 * i;
-    out[0] = static_cast<float>(p.r * scale);
-    out[1] = static_cast<float>(p.g * scale);
-    out[2] = static_cast<float>(p.b * scale);
+    const dvec3 mean = p.sum() * scale;
+    for (int c = 0; c < 3; ++c) out[c] = static_cast<float>(mean[c]);
     out[3] = static_cast<float>(static_cast<double>(p.alpha) * scale);
   }
   if (!through_.empty()) {
@@ -316,7 +373,9 @@ void Accumulator::resolve(Film& film, bool wants_features) const {
     const int channels = layer_channels(layer);
     Image image(width_, height_, channels);
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
-      vec3 v = layers_[i * mean_layers_.size() + k] / static_cast<float>(std::max(pixels_[i].count, 1U));
+      const std::array<ExactSmallSum, 3>& sum = layers_[i * mean_layers_.size() + k];
+      vec3 v(dvec3(sum[0].value(), sum[1].value(), sum[2].value()) /
+             static_cast<double>(std::max(pixels_[i].count, 1U)));
       const float length = glm::length(v);
       const bool is_direction = layer == Layer::normal || layer == Layer::camera_normal;
       if (is_direction && length > 0.0f) v /= length;

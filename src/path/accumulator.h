@@ -1,8 +1,12 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <map>
+#include <span>
 #include <vector>
 
+#include "math/exact_sum.h"
 #include "path/integrator.h"
 #include "path/render.h"
 
@@ -17,8 +21,16 @@ class Accumulator {
 
   static std::uint64_t bytes_per_pixel(const Settings& settings);
 
-  /// Adds a sample; false when it is not finite, and then it is left out.
-  bool add(int x, int y, const PathSample& sample);
+  /// Adds the pixel's sample of this number; false when it is not finite, and then it is left out.
+  bool add(int x, int y, std::uint32_t number, const PathSample& sample);
+  /// Adds other samples of the same picture. Of a picture without features the result is that of one accumulator with
+  /// all of them, to the last bit; features are as exact as double precision.
+  void add(const Accumulator& other);
+
+  /// All sums as bytes, and from there; `read` takes what it needs of what it is given. Throws Error where it is too
+  /// little. For one machine's order of bytes.
+  void write(std::vector<std::byte>& bytes) const;
+  void read(std::span<const std::byte>& bytes);
 
   std::uint32_t count(int x, int y) const { return pixel(x, y).count; }
 
@@ -37,11 +49,18 @@ class Accumulator {
 
  private:
   struct Pixel {
-    double r = 0.0, g = 0.0, b = 0.0;
-    double luminance2 = 0.0;
-    float alpha = 0.0f;
+    ExactSum r, g, b;
+    float alpha = 0.0f;  ///< of zeros and ones
     std::uint32_t count = 0;
+
+    dvec3 sum() const { return {r.value(), g.value(), b.value()}; }
   };
+  /// Calls `visit(vector)` for each vector of sums of numbers.
+  template <class Self, class Visit>
+  static void for_sums(Self& self, Visit visit) {
+    visit(self.pixels_), visit(self.luminance2_), visit(self.half_luminance_), visit(self.features_);
+    visit(self.layers_), visit(self.through_);
+  }
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
@@ -61,23 +80,25 @@ class Accumulator {
   int height_;
   std::vector<Pixel> pixels_;
   struct Features {
-    vec3 albedo{0.0f}, normal{0.0f}, seen{0.0f};
-    float albedo2 = 0.0f, normal2 = 0.0f;  ///< sums over samples and channels of squares
-    float seen2 = 0.0f, seen_half = 0.0f;  ///< of the luminance of what is seen, as below
-    vec3 other2{0.0f};                     ///< of what is not seen
-    vec3 other_half{0.0f};                 ///< and its sum over those samples whose number has not the bit kHalf
-    std::uint32_t count_half = 0;
+    dvec3 albedo{0.0}, normal{0.0}, seen{0.0};
+    double albedo2 = 0.0, normal2 = 0.0;  ///< sums over samples and channels of squares
+    double seen2 = 0.0, seen_half = 0.0;  ///< of the luminance of what is seen, as below
+    dvec3 other2{0.0};                    ///< of what is not seen
+    dvec3 other_half{0.0};                ///< and its sum over those samples whose number has not the bit kHalf
+    std::uint64_t count_half = 0;
   };
+  static void add(const Features& from, Features& to);
   /// Either half of sixteen Sobol' points is as even as eight points are.
   static constexpr std::uint32_t kHalf = 8;
   void resolve_features(DenoisingFeatures& features) const;
   void resolve_through_variance(DenoisingFeatures& features) const;
 
-  std::vector<float> half_luminance_;      ///< of those samples, for Settings::noise
-  std::vector<Features> features_;         ///< empty unless asked for
-  std::map<MatteKind, MatteSums> mattes_;  ///< those asked for
-  std::vector<Layer> mean_layers_;         ///< likewise
-  std::vector<vec3> layers_;               ///< of each pixel the sums of these
+  std::vector<double> luminance2_;                    ///< of every sample the square, for Settings::noise
+  std::vector<float> half_luminance_;                 ///< of those samples, likewise
+  std::vector<Features> features_;                    ///< empty unless asked for
+  std::map<MatteKind, MatteSums> mattes_;             ///< those asked for
+  std::vector<Layer> mean_layers_;                    ///< likewise
+  std::vector<std::array<ExactSmallSum, 3>> layers_;  ///< of each pixel the sums of these
   struct Through {
     dvec3 sum{0.0};
     double luminance2 = 0.0;

@@ -24,9 +24,9 @@ namespace candela::path {
 
 namespace {
 
-constexpr int kTile = 16;                   ///< pixels; a tile is the unit of parallel work
-constexpr int kBlock = 4;                   ///< a packet is 4 × 4 pixels
-constexpr std::uint32_t kPassSamples = 16;  ///< per pixel between two looks at the error
+constexpr int kTile = 16;                                ///< pixels; a tile is the unit of parallel work
+constexpr int kBlock = 4;                                ///< a packet is 4 × 4 pixels
+constexpr std::uint32_t kPassSamples = kSamplesOfBlock;  ///< per pixel between two looks at the error
 
 struct BlockCounts {
   RayCounts rays;
@@ -60,6 +60,10 @@ void check_settings(const Settings& s) {
   if (s.width < 1 || s.height < 1 || s.width > kMaxSize || s.height > kMaxSize)
     throw Error("picture size out of range");
   if (s.samples < 1) throw Error("at least one sample per pixel is needed");
+  if (s.first_sample < 0 || s.first_sample >= s.samples || s.first_sample % kSamplesOfBlock != 0) {
+    throw Error("the first sample's number is below the number of samples and a multiple of sixteen");
+  }
+  if (s.first_sample > 0 && s.noise) throw Error("a part of a picture has no noise target");
   if (s.bounces < 0) throw Error("the number of bounces is negative");
   if (s.has_features && s.integrator != Integrator::full) throw Error("features come from the full integrator alone");
   if (s.clamp && s.integrator != Integrator::full) throw Error("clamping is of the full integrator alone");
@@ -181,14 +185,25 @@ class Picture::Impl {
     if (settings.integrator == Integrator::surfaces && geometry_.ground() != nullptr)
       throw Error("the integrator of surfaces alone knows no ground; minimal does", parts_->scene->name);
     check_numbers(*parts_->scene, settings.layers);
+    done_ = static_cast<std::uint32_t>(settings.first_sample);
     find_start();
   }
 
   void trace(std::uint32_t limit, const Job& job);
   Film film(bool has_features) const;
   Statistics statistics() const;
+  const Accumulator& sums() const { return accumulator_; }
+  bool has_through() const { return context_.background_in_glass || shows_shadows(*parts_->scene, settings_); }
+  std::vector<std::byte> state() const;
+  void set_state(std::span<const std::byte> bytes);
 
  private:
+  /// Where the work stands, besides the sums.
+  struct Place {
+    std::uint32_t done, pass_end, next_tile, converged_count;
+    std::uint64_t samples, spared, camera, bounce, shadow, non_finite;
+    double render_s;
+  };
   void render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_sample);
   void render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t last_sample, BlockCounts& counts);
   bool takes_part(std::size_t pixel, std::uint32_t pass) const;
@@ -222,6 +237,7 @@ class Picture::Impl {
   Accumulator accumulator_;
   std::vector<std::uint8_t> converged_;
   std::size_t converged_count_ = 0;
+  bool has_looked_for_empty_ = false;
   std::vector<std::uint8_t> empty_shares_;  ///< of the passes, in 1/kWhole; 0 where surfaces may be, empty until known
   int tiles_x_;
   int tiles_y_;
@@ -307,7 +323,7 @@ void Picture::Impl::render_block(ivec2 corner, std::uint32_t first_sample, std::
       if (settings_.clamp) clamp_indirect(*settings_.clamp, sample);
       sample.radiance *= weights[i];
       sample.seen *= weights[i];
-      const bool is_finite = accumulator_.add(pixels[i].x, pixels[i].y, sample);
+      const bool is_finite = accumulator_.add(pixels[i].x, pixels[i].y, s, sample);
       if (!is_finite) ++counts.non_finite;
       if (is_finite && !settings_.mattes.empty()) add_mattes(pixels[i], packet.rays[i], hits[i]);
     }
@@ -330,8 +346,8 @@ void Picture::Impl::render_tile(int tile, std::uint32_t first_sample, std::uint3
   totals_.non_finite += counts.non_finite;
 }
 
-/// Before a second pass, which pictures of few samples have not.
 void Picture::Impl::find_empty() {
+  has_looked_for_empty_ = true;
   constexpr std::uint64_t kMostTriangles = 20;  // per pixel: what projecting them may cost beside tracing
   const std::optional<Camera::Pinhole> pinhole = camera_.pinhole();
   if (!pinhole || placed_triangles(geometry_) > kMostTriangles * pixel_count()) return;
@@ -390,7 +406,7 @@ void Picture::Impl::report(const Job& job) {
     p.seconds = watch_.seconds();
     p.samples_per_pixel = mean_samples();
     const double fresh = p.samples_per_pixel - samples_before_;
-    p.fraction = fresh / std::max(limit_ - samples_before_, 1e-9);
+    p.fraction = fresh / std::max(limit_ - settings_.first_sample - samples_before_, 1e-9);
     if (settings_.noise) {
       p.fraction = std::max(p.fraction, static_cast<double>(converged_count_) / static_cast<double>(pixel_count()));
     }
@@ -441,7 +457,7 @@ void Picture::Impl::run_pass(const Job& job) {
     chunk_ = std::clamp(static_cast<int>(rate * kLookEvery), 16, std::max(tiles, 16));
     report(job);
     // The first pass is always whole, so that no part of the picture is missing.
-    if (done_ > 0 && must_stop(job)) return;
+    if (done_ > static_cast<std::uint32_t>(settings_.first_sample) && must_stop(job)) return;
   }
 }
 
@@ -453,7 +469,8 @@ void Picture::Impl::trace(std::uint32_t limit, const Job& job) {
   interrupted_ = timed_out_ = false;
   while (!is_complete()) {
     if (next_tile_ == 0) pass_end_ = std::min(limit, next_look());
-    if (next_tile_ == 0 && done_ == kPassSamples) find_empty();
+    // Before a second pass; pictures of few samples have none.
+    if (done_ >= kPassSamples && !has_looked_for_empty_) find_empty();
     run_pass(job);
     if (next_tile_ == tiles_x_ * tiles_y_) {
       done_ = pass_end_;
@@ -489,6 +506,40 @@ Statistics Picture::Impl::statistics() const {
   s.interrupted = interrupted_;
   s.timed_out = timed_out_;
   return s;
+}
+
+std::vector<std::byte> Picture::Impl::state() const {
+  const std::array<Place, 1> place{{{done_, pass_end_, static_cast<std::uint32_t>(next_tile_),
+                                     static_cast<std::uint32_t>(converged_count_), totals_.samples, totals_.spared,
+                                     totals_.camera, totals_.bounce, totals_.shadow, totals_.non_finite, render_s_}}};
+  std::vector<std::byte> bytes;
+  const auto append = [&](std::span<const std::byte> raw) { bytes.insert(bytes.end(), raw.begin(), raw.end()); };
+  append(std::as_bytes(std::span(place)));
+  append(std::as_bytes(std::span(converged_)));
+  accumulator_.write(bytes);
+  return bytes;
+}
+
+void Picture::Impl::set_state(std::span<const std::byte> bytes) {
+  std::array<Place, 1> place{};
+  const auto take = [&](std::span<std::byte> into) {
+    if (bytes.size() < into.size()) throw Error("the picture to go on from is cut short");
+    std::copy_n(bytes.begin(), into.size(), into.begin());
+    bytes = bytes.subspan(into.size());
+  };
+  take(std::as_writable_bytes(std::span(place)));
+  take(std::as_writable_bytes(std::span(converged_)));
+  accumulator_.read(bytes);
+  const Place& p = place[0];
+  const bool is_possible = bytes.empty() && p.next_tile < static_cast<std::uint32_t>(tiles_x_ * tiles_y_) &&
+                           p.done >= static_cast<std::uint32_t>(settings_.first_sample) &&
+                           p.done <= p.pass_end + kPassSamples;
+  if (!is_possible) throw Error("the picture to go on from is another one");
+  done_ = p.done, pass_end_ = p.pass_end, next_tile_ = static_cast<int>(p.next_tile);
+  converged_count_ = p.converged_count;
+  totals_.samples = p.samples, totals_.spared = p.spared, totals_.camera = p.camera;
+  totals_.bounce = p.bounce, totals_.shadow = p.shadow, totals_.non_finite = p.non_finite;
+  render_s_ = p.render_s;
 }
 
 /// What is at a pixel's centre: means across an edge would be places where nothing is.
@@ -586,6 +637,10 @@ void Picture::trace(int samples, const Job& job) {
 }
 Film Picture::film() const { return impl_->film(true); }
 Statistics Picture::statistics() const { return impl_->statistics(); }
+const Accumulator& Picture::sums() const { return impl_->sums(); }
+bool Picture::has_through() const { return impl_->has_through(); }
+std::vector<std::byte> Picture::state() const { return impl_->state(); }
+void Picture::set_state(std::span<const std::byte> bytes) { impl_->set_state(bytes); }
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             const Job& job, Statistics* statistics) {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
+#include <vector>
 
 #include "image/develop.h"
 #include "image/film.h"
@@ -24,10 +27,16 @@ enum class Integrator {
 /// "full", "minimal" or "surfaces".
 const char* integrator_name(Integrator integrator);
 
+/// Per pixel: what parts of a picture are multiples of.
+inline constexpr int kSamplesOfBlock = 16;
+
 struct Settings {
   int width = 1280;
   int height = 720;
-  int samples = 64;                      ///< per pixel; with a limit below, the most that a pixel may take
+  int samples = 64;  ///< per pixel; with a limit below, the most that a pixel may take
+  /// Number of the first one: a part of a picture has those from here on, before `samples`. A multiple of
+  /// kSamplesOfBlock; without a noise target.
+  int first_sample = 0;
   std::optional<double> time_limit_s{};  ///< stop after about this long
   /// Stop a pixel when the standard error of what a display shows of it is estimated below this: Shown::error(), from 0
   /// (black) to 1 (white), after the exposure and tone curve of `develop`; e.g. 0.01 is 2.6 code values of 255.
@@ -87,6 +96,7 @@ void check_built();
 std::uint64_t picture_bytes(const Settings& settings);
 
 struct PreparedEnvironment;
+class Accumulator;
 
 /// The light from infinitely far away, prepared for tracing: tracers of several scenes can share it.
 class FarLight {
@@ -144,6 +154,15 @@ class Picture {
   /// The picture so far.
   Film film() const;
   Statistics statistics() const;
+
+  /// What has been sampled so far, which can be added to that of other parts.
+  const Accumulator& sums() const;
+  /// Whether samples tell what background they let through: what an Accumulator has to know beside the settings.
+  bool has_through() const;
+  /// All that a picture of the same scene, view and settings needs to go on from here, and going on from there, in
+  /// place of what was sampled. For one machine's order of bytes. Throws Error where they are not of such a picture.
+  std::vector<std::byte> state() const;
+  void set_state(std::span<const std::byte> bytes);
 
  private:
   class Impl;

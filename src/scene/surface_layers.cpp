@@ -157,10 +157,11 @@ Image motion_layer(const Scene& scene, const View& view, const SurfaceMap& map, 
   return motion;
 }
 
-void turn_to_camera(const View& view, Image& normals) {
-  const mat3 camera_from_world = glm::transpose(mat3(camera_rotation(view)));
+void turn_to_camera(const View& view, Image& normals) { turn(glm::transpose(mat3(camera_rotation(view))), normals); }
+
+void turn(const mat3& rotation, Image& normals) {
   for (int y = 0; y < normals.height; ++y) {
-    for (int x = 0; x < normals.width; ++x) normals.set_rgb(x, y, camera_from_world * normals.rgb(x, y));
+    for (int x = 0; x < normals.width; ++x) normals.set_rgb(x, y, rotation * normals.rgb(x, y));
   }
 }
 

@@ -31,6 +31,7 @@ Image motion_layer(const Scene& scene, const View& view, const SurfaceMap& map, 
 
 /// Turns a layer of world-space normals into camera space: right, up, towards the viewer.
 void turn_to_camera(const View& view, Image& normals);
+void turn(const mat3& rotation, Image& normals);
 
 /// Names that tell nodes, or materials, apart: their own, with the number (number_of) where several share one or one
 /// has none: "leg", "leg.12", "node 7". By index; of nodes those with a mesh.
