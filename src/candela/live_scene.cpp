@@ -98,7 +98,7 @@ struct LiveScene::Engines {
 
   std::shared_ptr<LiveStage> stage;
   std::mutex mutex;  ///< of the tracer and its light
-  std::optional<path::Tracer> tracer;
+  std::unique_ptr<path::Tracer> tracer;
   std::shared_ptr<const path::FarLight> far_light;
   Prepared traced;
 
@@ -112,19 +112,19 @@ struct LiveScene::Engines {
 path::Tracer LiveScene::Engines::tracer_of(const Prepared& wanted, const Environment& lit,
                                            const shade::ShadingModel& shading, const Job& job, double& build_s) {
   const std::lock_guard lock(mutex);
-  if (tracer && traced.is_same(wanted)) return *tracer;
+  if (tracer != nullptr && traced.is_same(wanted)) return *tracer;
   const StopScope scope(job.stop);
   const Stopwatch watch;
-  const bool keeps_shapes = tracer && traced.has_same_shapes(wanted) && traced.shading == wanted.shading;
+  const bool keeps_shapes = tracer != nullptr && traced.has_same_shapes(wanted) && traced.shading == wanted.shading;
   if (far_light == nullptr || !traced.has_same_environment(wanted)) {
     far_light.reset();  // before there is another
     far_light = std::make_shared<const path::FarLight>(lit);
   }
   if (keeps_shapes) {
-    tracer.emplace(path::Tracer(*tracer, wanted.scene, *far_light));
+    tracer = std::make_unique<path::Tracer>(*tracer, wanted.scene, *far_light);
   } else {
     tracer.reset();
-    tracer.emplace(wanted.scene, *far_light, shading);
+    tracer = std::make_unique<path::Tracer>(wanted.scene, *far_light, shading);
   }
   traced = wanted;
   build_s = watch.seconds();
