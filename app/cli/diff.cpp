@@ -109,6 +109,7 @@ void write_output(const DiffOptions& o, const Pairs& pairs, const std::vector<Co
   }
   if (!pairs.are_scenes) return write_map(o.output, *all.front().difference);
   std::vector<PictureLabel> labels;
+  labels.reserve(all.size());
   for (const Compared& c : all) labels.push_back(c.label);
   const PictureNames names = name_pictures(maps_of_scenes(o), labels);
   for (std::size_t i = 0; i < all.size(); ++i) write_map(names[i][0], *all[i].difference);

@@ -127,7 +127,7 @@ void check_memory(const SceneRecipe& r) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(r.shot.size.x) * static_cast<std::uint64_t>(r.shot.size.y);
   const std::size_t listed = std::max({r.shot.views.size(), r.shot.cameras.size(), std::size_t{1}});
   const std::size_t count = r.shot.camera_sphere ? static_cast<std::size_t>(r.shot.camera_sphere->count) : listed;
-  constexpr std::uint64_t kBytesPerPixel = 2 * 4 * sizeof(float);  // the picture, and what glass lets through
+  constexpr std::uint64_t kBytesPerPixel = 8 * sizeof(float);  // the picture, and what glass lets through
   require_memory(picture_bytes(r.shot) + count * pixels * kBytesPerPixel, available_memory(),
                  fmt::format("{} pictures of {}x{}", count, r.shot.size.x, r.shot.size.y), "--size");
 }
