@@ -184,6 +184,7 @@ std::optional<vec3> named_color(const std::string& text) {
 /// What may have been meant by a name that no colour has.
 std::string nearest_color(const std::string& text) {
   std::vector<std::string> names;
+  names.reserve(kCssColors.size());
   for (const NamedColor& color : kCssColors) names.emplace_back(color.name);
   const std::string meant = did_you_mean(lower_case(text), names, "");
   return meant.empty() ? "give #rgb, #rrggbb, r,g,b or a name of CSS" : meant;

@@ -89,6 +89,7 @@ void set_texture(const SharedScene& scene, const TextureRow& row, nb::handle sou
 
 std::vector<std::string> property_names() {
   std::vector<std::string> names;
+  names.reserve(kMaterialProperties.size() + kTextureRows.size() + kFlags.size() + 1);
   for (const MaterialProperty& row : kMaterialProperties) names.emplace_back(row.name);
   for (const TextureRow& row : kTextureRows) names.push_back(texture_property(row));
   for (const FlagRow& row : kFlags) names.emplace_back(row.name);
@@ -135,6 +136,7 @@ void set_properties(const SharedScene& scene, Material& material, const nb::kwar
 }
 
 void bind_material(nb::class_<MaterialRef>& type) {
+  // NOLINTNEXTLINE(modernize-loop-convert): the functions keep the place
   for (std::size_t i = 0; i < kMaterialProperties.size(); ++i) {
     const MaterialProperty& row = kMaterialProperties[i];
     const std::string name(row.name);
@@ -162,6 +164,7 @@ void bind_material(nb::class_<MaterialRef>& type) {
           nb::for_setter(nb::sig(setter.c_str())), doc.c_str());
     }
   }
+  // NOLINTNEXTLINE(modernize-loop-convert): the functions keep the place
   for (std::size_t i = 0; i < kTextureRows.size(); ++i) {
     const std::string name = texture_property(kTextureRows[i]);
     const std::string setter =
@@ -181,6 +184,7 @@ void bind_material(nb::class_<MaterialRef>& type) {
         nb::arg("value").none(), nb::for_setter(nb::sig(setter.c_str())),
         kTextureRows[i].is_srgb() ? "sRGB encoded, as image files are." : "Data, not encoded.");
   }
+  // NOLINTNEXTLINE(modernize-loop-convert): the functions keep the place
   for (std::size_t i = 0; i < kFlags.size(); ++i) {
     const std::string setter = std::string("def ") + kFlags[i].name + "(self, value: bool) -> None";
     type.def_prop_rw(

@@ -17,32 +17,32 @@ template <class R>
 struct Kind;
 template <>
 struct Kind<NodeRef> {
-  static constexpr const char* name = "node";
+  static constexpr const char* kName = "node";
   static auto& of(const Scene& s) { return s.nodes; }
 };
 template <>
 struct Kind<MeshRef> {
-  static constexpr const char* name = "mesh";
+  static constexpr const char* kName = "mesh";
   static auto& of(const Scene& s) { return s.meshes; }
 };
 template <>
 struct Kind<MaterialRef> {
-  static constexpr const char* name = "material";
+  static constexpr const char* kName = "material";
   static auto& of(const Scene& s) { return s.materials; }
 };
 template <>
 struct Kind<TextureRef> {
-  static constexpr const char* name = "texture";
+  static constexpr const char* kName = "texture";
   static auto& of(const Scene& s) { return s.textures; }
 };
 template <>
 struct Kind<LightRef> {
-  static constexpr const char* name = "light";
+  static constexpr const char* kName = "light";
   static auto& of(const Scene& s) { return s.lights; }
 };
 template <>
 struct Kind<CameraRef> {
-  static constexpr const char* name = "camera";
+  static constexpr const char* kName = "camera";
   static auto& of(const Scene& s) { return s.cameras; }
 };
 
@@ -66,7 +66,7 @@ R item(const List<R>& list, nb::handle key) {
       if (objects[i].name == name) return {list.scene, i};
       if (!objects[i].name.empty()) known += (known.empty() ? "" : ", ") + objects[i].name;
     }
-    throw Error(fmt::format("there is no {} '{}'; the scene has: {}", Kind<R>::name, name,
+    throw Error(fmt::format("there is no {} '{}'; the scene has: {}", Kind<R>::kName, name,
                             known.empty() ? "none with a name" : known));
   }
   const auto count = static_cast<std::int64_t>(objects.size());
