@@ -127,6 +127,7 @@ void bind_render(nb::module_& module) {
   module.attr("spellings") = spellings;
   module.def("layer_names", [] {
     std::vector<std::string> names;
+    names.reserve(kLayers.size());
     for (const LayerInfo& layer : kLayers) names.emplace_back(layer.name);
     return names;
   });
