@@ -53,6 +53,12 @@ std::vector<std::string> words_of(const std::string& line) {
   }
 }
 
+std::vector<std::string> without_verb(std::vector<std::string> words) {
+  if (!words.empty() && words[0] == "candela") words.erase(words.begin());
+  if (!words.empty() && words[0] == "render") words.erase(words.begin());
+  return words;
+}
+
 void run_jobs(const std::string& file, const std::function<void(const std::vector<std::string>&)>& run,
               ProgressLine& progress) {
   const bool is_piped = file == "-";
@@ -68,9 +74,7 @@ void run_jobs(const std::string& file, const std::function<void(const std::vecto
     const std::string place = fmt::format("{}:{}", where, ++number);
     ++jobs;
     try {
-      std::vector<std::string> words = words_of(line);
-      if (words.size() > 1 && words[0] == "candela" && words[1] == "render")
-        words.erase(words.begin(), words.begin() + 2);
+      const std::vector<std::string> words = without_verb(words_of(line));
       if (words.empty()) {
         --jobs;
         continue;

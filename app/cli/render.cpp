@@ -202,14 +202,15 @@ TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::sh
   const Interrupt interrupt;
   PartialWriter partial(progress);
   Films films(o);
-  std::size_t index = 0;
+  std::size_t index = o.shot.pictures ? o.shot.pictures->first - 1 : 0;
   if (!job.progress) job = progress.job();
   if (!o.shot.part)
     job.partial = [&](const Film& film) { partial.write(stills_of(o, names[index]), film, take.develop()); };
   TakeResult result = take.render(
       [&](const TakenPicture& picture) {
         const Stopwatch writing;
-        const std::vector<fs::path>& outputs = names[index++];
+        const std::vector<fs::path>& outputs = names[picture.index];
+        index = picture.index + 1;
         const std::vector<fs::path> stills = stills_of(o, outputs);
         if (picture.part) {
           for (const fs::path& output : stills) write_made_part(output, *picture.part);
@@ -265,9 +266,10 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
   const std::vector<fs::path> outputs = batch_outputs(o.stems, folder, inputs);
   std::size_t failed = 0, done = 0;
   bool is_last_unfinished = false;
+  const PictureRange asked = o.pictures.value_or(PictureRange{1, o.scenes.size()});
   const Job whole = progress.job();
-  const JobParts parts(whole, o.scenes.size());
-  for (std::size_t i = 0; i < o.scenes.size() && !Interrupt::requested(); ++i) {
+  const JobParts parts(whole, asked.count());
+  for (std::size_t i = asked.first - 1; i < asked.last && !Interrupt::requested(); ++i) {
     RenderOptions one = o;
     one.shot.scene = o.scenes[i];
     one.outputs = {
@@ -276,8 +278,8 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
             : batch_pattern(o, outputs[i])};
     try {
       const std::string prefix = fmt::format("scene {} of {}, ", i + 1, o.scenes.size());
-      const TakeResult result =
-          render_scene(one, inputs, stage, threads, progress, {dataset, i}, prefix, parts.part(i, prefix));
+      const TakeResult result = render_scene(one, inputs, stage, threads, progress, {dataset, i}, prefix,
+                                             parts.part(i + 1 - asked.first, prefix));
       done += result.done;
       is_last_unfinished = result.is_last_unfinished;
     } catch (const Error& error) {
@@ -286,9 +288,9 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
       progress.failed({error.message(), error.where()});
     }
   }
-  const bool is_cut_short = is_last_unfinished || done + failed < o.scenes.size();
-  if (is_cut_short && o.scenes.size() > 1) report_interruption(done, o.scenes.size(), is_last_unfinished);
-  if (failed > 0) throw Error(fmt::format("{} of {} scenes have no picture", failed, o.scenes.size()), folder.string());
+  const bool is_cut_short = is_last_unfinished || done + failed < asked.count();
+  if (is_cut_short && asked.count() > 1) report_interruption(done, asked.count(), is_last_unfinished);
+  if (failed > 0) throw Error(fmt::format("{} of {} scenes have no picture", failed, asked.count()), folder.string());
 }
 
 void render_all(const RenderOptions& o, const std::shared_ptr<Stage>& stage, int threads, ProgressLine& progress,
@@ -330,21 +332,7 @@ void render_jobs(const RenderOptions& given) {
   ProgressLine progress(given.quiet);
   const Interrupt interrupt;
   const auto run = [&](const std::vector<std::string>& words) {
-    CommandLine line("candela", "a job", version());
-    Command command = line.add_verb("render", "a job");
-    RenderOptions options;
-    options.job_list = given.jobs;
-    add_render_options(command, options);
-    std::vector<std::string> arguments{"render"};
-    arguments.insert(arguments.end(), words.begin(), words.end());
-    if (!line.parse(arguments).text.empty()) throw UsageError("--help: is no job");
-    if (!options.jobs.empty()) throw UsageError("--jobs: not within a job");
-    options.quiet |= given.quiet;
-    finish_options(command, options);
-    for (const std::string& output : options.outputs) {
-      if (!standard_output_format(output).empty()) throw UsageError("--output: a job writes to a file: " + output);
-    }
-    run_render(options, stage);
+    run_render(parse_job(words, given.jobs, given.quiet), stage);
   };
   run_jobs(given.jobs, run, progress);
 }

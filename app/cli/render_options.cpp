@@ -205,6 +205,9 @@ void add_running(Command& command, RenderOptions& o) {
     if (value.empty()) throw UsageError("the name is empty");
     return fs::path(value);
   };
+  add_value(command, "--pictures", "A-B", o.pictures, parse_pictures,
+            "Of a set only these, counted from 1, named and framed as in the whole set: 9-16 [all]")
+      .group(group);
   add_value(command, "--part", "K/N", o.shot.part, parse_part,
             "The K-th of N parts of the samples, into -o FILE.part, for candela merge")
       .group(group);
@@ -357,11 +360,27 @@ void check_dataset(const Command& command, RenderOptions& o) {
   o.outputs = {names.pattern(0, 1, o.stems[0], o.shot.has_many_pictures()).string()};
 }
 
+/// Some of the pictures of a set, or of several scenes.
+void check_pictures(RenderOptions& o) {
+  if (!o.pictures) return;
+  if (o.dataset) throw UsageError("--pictures: a data set is made as a whole");
+  const bool is_set = o.shot.has_many_pictures();
+  if (o.is_batch && is_set) throw UsageError("--pictures: of several scenes with one picture each, or of one scene");
+  if (!o.is_batch && !is_set) throw UsageError("--pictures: there is only one");
+  if (!o.is_batch) o.shot.pictures = o.pictures;
+  if (o.is_batch && o.pictures->last > o.scenes.size()) {
+    throw Error(fmt::format("there are {} scenes", o.scenes.size()), "--pictures");
+  }
+  for (const std::string& output : o.outputs) {
+    if (is_film(o, output)) throw UsageError("--pictures: a film has all of them: " + output);
+  }
+}
+
 /// A part is one traced picture's, and goes into files that only merge reads.
 void check_part(const Command& command, const RenderOptions& o) {
   const Shot& shot = o.shot;
   if (o.resumes && !o.checkpoint) throw UsageError("--resume: from which --checkpoint?");
-  const bool is_one = !shot.has_many_pictures() && !o.is_batch && shot.shutter_s == 0.0 && !o.dataset;
+  const bool is_one = shot.makes_one_picture() && !o.is_batch && shot.shutter_s == 0.0 && !o.dataset;
   for (const auto& [option, is_given] :
        {std::pair{"--part", shot.part.has_value()}, {"--checkpoint", o.checkpoint.has_value()}}) {
     if (is_given && !is_one) throw UsageError(std::string(option) + ": one picture without motion blur at a time");
@@ -406,6 +425,7 @@ void check_outputs(const Command& command, RenderOptions& o) {
   for (const auto& [one, many] : {std::pair{"--variant", "--variants"}, std::pair{"--animation", "--animations"}}) {
     if (command.has(one) && command.has(many)) throw UsageError(fmt::format("{} excludes {}", one, many));
   }
+  check_pictures(o);
   check_part(command, o);
   check_dataset(command, o);
   check_batch(command, o);
@@ -548,6 +568,24 @@ void add_render_options(Command& command, RenderOptions& options) {
   add_raster(command, options);
   command.footer(std::string(kExamples) + kStops);
   add_short_help(command);
+}
+
+RenderOptions parse_job(const std::vector<std::string>& words, const std::string& job_list, bool quiet) {
+  CommandLine line("candela", "a job", version());
+  Command command = line.add_verb("render", "a job");
+  RenderOptions options;
+  options.job_list = job_list;
+  add_render_options(command, options);
+  std::vector<std::string> arguments{"render"};
+  arguments.insert(arguments.end(), words.begin(), words.end());
+  if (!line.parse(arguments).text.empty()) throw UsageError("--help: is no job");
+  if (!options.jobs.empty()) throw UsageError("--jobs: not within a job");
+  options.quiet |= quiet;
+  finish_options(command, options);
+  for (const std::string& output : options.outputs) {
+    if (!standard_output_format(output).empty()) throw UsageError("--output: a job writes to a file: " + output);
+  }
+  return options;
 }
 
 void finish_options(const Command& command, RenderOptions& o) {

@@ -29,9 +29,10 @@ struct RenderOptions {
   std::optional<float> ground_height;
   std::optional<Studio> studio;
   std::optional<Quality> quality;
-  bool noise_given = false;    ///< --noise: a target that is not reached is worth a warning
-  std::string denoiser = {};   ///< as --denoise has it
-  bool develop_given = false;  ///< --exposure, --tonemap or --bloom
+  bool noise_given = false;              ///< --noise: a target that is not reached is worth a warning
+  std::string denoiser = {};             ///< as --denoise has it
+  bool develop_given = false;            ///< --exposure, --tonemap or --bloom
+  std::optional<PictureRange> pictures;  ///< of a set, or of the pictures of several scenes
   int threads = 0;
   std::optional<std::filesystem::path> stats;            ///< "-" is standard output
   std::optional<std::filesystem::path> camera_file;      ///< --cameras
@@ -55,6 +56,9 @@ std::string default_output(const RenderOptions& options, int attempt);
 
 /// The same for a name without extension: with a place for whatever distinguishes the pictures of a shot.
 std::string default_pattern(const Shot& shot, const std::string& stem);
+
+/// The words of a line of a list of jobs, without "candela render". Throws UsageError.
+RenderOptions parse_job(const std::vector<std::string>& words, const std::string& job_list, bool quiet = false);
 
 /// Fills what follows from several options together and refuses combinations that make no sense (UsageError).
 void finish_options(const Command& command, RenderOptions& options);

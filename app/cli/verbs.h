@@ -13,6 +13,8 @@ namespace candela::cli {
 using Verb = std::function<void()>;
 Verb add_render(Command& command);
 Verb add_merge(Command& command);
+Verb add_plan(Command& command);
+Verb add_worker(Command& command);
 Verb add_preview(Command& command);
 Verb add_info(Command& command);
 Verb add_furnace(Command& command);
@@ -31,6 +33,8 @@ struct VerbInfo {
 inline constexpr auto kVerbs = std::to_array<VerbInfo>({
     {"render", "Render a glTF scene to a picture", add_render},
     {"merge", "Make one picture of parts that several machines rendered", add_merge},
+    {"plan", "Divide a large work into lines that machines run on their own", add_plan},
+    {"worker", "Run the lines of a plan beside other workers", add_worker},
     {"preview", "Show a model at one glance: four views, size, materials, findings", add_preview},
     {"info", "Say what a scene, an image or a texture file holds", add_info},
     {"furnace", "Measure what the materials do with light", add_furnace},

@@ -108,6 +108,11 @@ void Take::plan() {
                    {.variant = variant.value_or(""), .animation = shot_.animations ? animation : ""});
     }
   }
+  if (shot_.pictures && shot_.pictures->last > planned_.size()) {
+    throw Error(fmt::format("of {} there {} {} {}", shot_.scene, planned_.size() == 1 ? "is" : "are", planned_.size(),
+                            planned_.size() == 1 ? "picture" : "pictures"),
+                "--pictures");
+  }
 }
 
 std::vector<PictureLabel> Take::labels() const {
@@ -368,16 +373,44 @@ Film Take::trace_moving(std::size_t index, const Job& job, path::Statistics& sta
   return mean;
 }
 
+/// Has the tracer of the scene of picture `index`. Returns how long it took to build.
+double Take::make_traceable(std::size_t index) {
+  if (tracer_ && is_shown(index)) return 0.0;
+  tracer_.reset();  // before there is another
+  scene_shown_ = scene_of(index);
+  shown_ = index;
+  tracer_.emplace(new_tracer(scene_shown_));
+  return tracer_->build_s();
+}
+
+/// For the exposure of the first picture.
+Shot Take::small_shot() const {
+  constexpr int kLongSide = 256, kSamples = 16;
+  Shot small = shot_;
+  const int longer = std::max(shot_.size.x, shot_.size.y);
+  if (longer > kLongSide) small.size = glm::max(shot_.size * kLongSide / longer, ivec2(1));
+  small.layers.clear();
+  small.mattes.clear();
+  small.has_masks = false;
+  small.denoiser.reset();
+  small.part.reset();
+  small.traced.samples = std::min(shot_.traced.samples, kSamples);
+  small.traced.noise.reset();
+  small.traced.time_limit_s.reset();
+  small.drawn.frames = 1;
+  return small;
+}
+
+void Take::meter_traced(const Job& job) {
+  make_traceable(0);
+  const Job quiet{.stop = job.stop};
+  develop_.exposure =
+      metered_exposure(tracer_->render(view_at(tracer_->scene(), 0), traced_settings(small_shot()), quiet, nullptr));
+}
+
 Film Take::trace_one(std::size_t index, const Job& job, path::Statistics& statistics) {
   if (is_moving_ && shot_.shutter_s > 0.0) return trace_moving(index, job, statistics);
-  const bool is_other = index > 0 && !planned_[index].has_same_scene(planned_[index - 1]);
-  if (is_other) tracer_.reset();  // before there is another
-  double build_s = 0.0;
-  if (!tracer_) {
-    scene_shown_ = scene_of(index);
-    tracer_.emplace(new_tracer(scene_shown_));
-    build_s = tracer_->build_s();
-  }
+  const double build_s = make_traceable(index);
   Film film = shot_.part || checkpoint_
                   ? trace_kept(index, job, statistics)
                   : tracer_->render(view_at(tracer_->scene(), index), settings_of_trace(), job, &statistics);
@@ -426,10 +459,11 @@ void Take::complete(TakenPicture& picture) {
 }
 
 TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job& job) {
-  TakeResult result{.asked = planned_.size()};
+  TakeResult result{.asked = end_index() - first_index()};
+  if (meters_apart()) meter_traced(job);
   const JobParts parts(job, result.asked);
-  for (std::size_t index = 0; index < result.asked && !result.interrupted; ++index) {
-    Job part = parts.part(index, prefix_of(index, result.asked));
+  for (std::size_t index = first_index(); index < end_index() && !result.interrupted; ++index) {
+    Job part = parts.part(index - first_index(), prefix_of(index, planned_.size()));
     double samples_per_pixel = 0.0;
     part.progress = [&, tell = part.progress](const Progress& p) {
       samples_per_pixel = p.samples_per_pixel;
@@ -449,7 +483,7 @@ TakeResult Take::trace(const std::function<void(TakenPicture)>& take, const Job&
     if (picture.traced.samples == 0) throw Interrupted("before the first sample: no picture");
     if (shot_.part && picture.traced.interrupted) throw Interrupted("the part is not whole, and was not written");
     if (shot_.denoiser && !shot_.part) {
-      take_noise_out(*shot_.denoiser, picture, parts.part(index, prefix_of(index, result.asked)),
+      take_noise_out(*shot_.denoiser, picture, parts.part(index - first_index(), prefix_of(index, planned_.size())),
                      [this](std::string message) { warn(std::move(message)); });
     }
     result.denoise_s += picture.denoise_s;
@@ -488,25 +522,34 @@ constexpr int kProbeSamples = 64;
 /// The scene of picture `index`. Of another moment or variant the drawer is given it, which keeps what is the same; of
 /// another variant with its probes.
 void Take::make_drawable(std::size_t index, std::unique_ptr<raster::Drawer>& drawer, const Job& job) {
-  const bool is_first = drawer == nullptr;
-  if (!is_first && planned_[index].has_same_scene(planned_[index - 1])) return;
+  if (drawer != nullptr && is_shown(index)) return;
+  const std::optional<std::size_t> before = drawer != nullptr ? shown_ : std::nullopt;
   scene_shown_ = scene_of(index);
-  if (is_first) {
+  shown_ = index;
+  if (!before) {
     drawer = std::make_unique<raster::Drawer>(scene_shown_, environment_, shot_.shading, stage_->device());
   } else {
     drawer->set_scene(scene_shown_);
   }
-  if (shot_.probes > 0 && (is_first || planned_[index].variant != planned_[index - 1].variant)) {
+  if (shot_.probes > 0 && (!before || planned_[index].variant != planned_[*before].variant)) {
     drawer->set_probes(bake_probes(path::Tracer(scene_shown_, far_light()), shot_.probes, kProbeSamples, job));
   }
 }
 
+void Take::meter_drawn(std::unique_ptr<raster::Drawer>& drawer, const Job& job) {
+  make_drawable(0, drawer, job);
+  const Job quiet{.stop = job.stop};
+  develop_.exposure =
+      metered_exposure(drawer->render(view_at(*scene_shown_, 0), drawn_settings(small_shot()), quiet, nullptr));
+}
+
 TakeResult Take::draw(const std::function<void(TakenPicture)>& take, const Job& job) {
-  TakeResult result{.asked = planned_.size()};
+  TakeResult result{.asked = end_index() - first_index()};
   std::unique_ptr<raster::Drawer> drawer;
+  if (meters_apart()) meter_drawn(drawer, job);
   const JobParts parts(job, result.asked);
-  for (std::size_t index = 0; index < result.asked && !result.interrupted; ++index) {
-    Job part = parts.part(index, prefix_of(index, result.asked));
+  for (std::size_t index = first_index(); index < end_index() && !result.interrupted; ++index) {
+    Job part = parts.part(index - first_index(), prefix_of(index, planned_.size()));
     part.diagnostics = diagnostics_;
     TakenPicture picture{.index = index, .label = planned_[index].label};
     make_drawable(index, drawer, part);

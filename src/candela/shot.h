@@ -38,6 +38,14 @@ struct GroundChoice {
   std::optional<float> height = {};  ///< y, metres; empty = just below the subject in the first picture
 };
 
+/// Some of a set's pictures, counted from 1 in the order of the set.
+struct PictureRange {
+  std::size_t first = 1, last = 1;
+  std::size_t count() const { return last - first + 1; }
+};
+/// "9-16", or "9". Throws Error for anything else.
+PictureRange parse_pictures(const std::string& text);
+
 /// The picture or pictures to make. Whatever is empty is the scene's own choice. An Error about a member names the
 /// option of `candela render` that sets it.
 struct Shot {
@@ -59,6 +67,7 @@ struct Shot {
   raster::Settings drawn = {};                   ///< for the rasterizer only, likewise
   std::optional<denoise::Method> denoiser = {};  ///< of traced pictures; Film::noisy has them as they were
   std::optional<PartRange> part = {};            ///< of the samples that are traced; the picture is one of its parts
+  std::optional<PictureRange> pictures = {};     ///< of a set these alone, named and framed as in the whole set
   int probes = 0;                                ///< for the rasterizer: places where light within the scene is traced
 
   // ----- the viewpoint: the first of these that is given, else default_view()
@@ -110,6 +119,8 @@ struct Shot {
   bool has_many_pictures() const {
     return turntable || sequence || variants || animations || camera_sphere || cameras.size() > 1 || views.size() > 1;
   }
+  /// Whether one picture of them is all that is made.
+  bool makes_one_picture() const { return pictures ? pictures->count() == 1 : !has_many_pictures(); }
 };
 
 /// Which of a shot's pictures one is: what distinguishes it from the others, by the names that the shot gives them.
@@ -216,7 +227,7 @@ struct TakenPicture {
   View view = {};
   std::shared_ptr<const Scene> scene = {};  ///< as it stands in the picture, or when its exposure begins
   Film film = {};                           ///< with metadata: scene, camera, environment, samples, …
-  DevelopSettings develop = {};             ///< pictures of one take have one exposure, that of the first
+  DevelopSettings develop = {};             ///< with the take's one exposure
   path::Statistics traced = {};             ///< of the engine that made it
   raster::Statistics drawn = {};
   double denoise_s = 0.0;
@@ -247,7 +258,8 @@ struct Checkpoint {
 ///
 /// Pictures come in this order, the last of them changing first: variants, animations, the moments of a sequence,
 /// viewpoints, turns. What is the same for several of them is made once: the file is read once; one acceleration
-/// structure, or what is uploaded, serves all viewpoints.
+/// structure, or what is uploaded, serves all viewpoints. They have one exposure, where it is metered that of the
+/// first; where only some of them are made that of a small first, so that all ranges have the same.
 class Take {
  public:
   /// Opens the file. Throws Error.
@@ -304,6 +316,14 @@ class Take {
 
   std::vector<std::string> chosen_variants() const;
   void plan();
+  std::size_t first_index() const { return shot_.pictures ? shot_.pictures->first - 1 : 0; }
+  std::size_t end_index() const { return shot_.pictures ? shot_.pictures->last : planned_.size(); }
+  double make_traceable(std::size_t index);
+  Shot small_shot() const;
+  void meter_traced(const Job& job);
+  void meter_drawn(std::unique_ptr<raster::Drawer>& drawer, const Job& job);
+  bool meters_apart() const { return shot_.pictures && !develop_.exposure && shot_.has_many_pictures(); }
+  bool is_shown(std::size_t index) const { return shown_ && planned_[index].has_same_scene(planned_[*shown_]); }
   void plan_moments(const std::optional<std::string>& variant, const std::string& animation, PictureLabel label);
   Extent extent_of_all(const Scene& first);
   void load_scene();
@@ -353,6 +373,7 @@ class Take {
   std::unique_ptr<Viewpoints> viewpoints_;
   DevelopSettings develop_;
   std::optional<path::Tracer> tracer_;        ///< of the scene that was traced last
+  std::optional<std::size_t> shown_;          ///< the picture whose scene is at hand, for either engine
   std::shared_ptr<const Scene> scene_shown_;  ///< of the picture at hand
   std::optional<Checkpoint> checkpoint_;
   std::vector<std::byte> sums_;  ///< of the part at hand

@@ -78,9 +78,9 @@ std::string Take::key() const {
   const path::Settings settings = traced_settings(whole);
   const shade::ShadingModel& m = shot_.shading;
   text += fmt::format("{} of {} {} {} {} {} {} {} {} {} {}", settings.samples, text_of(settings), m.distribution,
-                      m.masking, m.fresnel, m.diffuse, m.blend, m.multiscatter, m.literal_layers, text_of(views()[0]),
-                      text_of(environment_));
-  const Planned& planned = planned_[0];
+                      m.masking, m.fresnel, m.diffuse, m.blend, m.multiscatter, m.literal_layers,
+                      text_of(views()[first_index()]), text_of(environment_));
+  const Planned& planned = planned_[first_index()];
   text +=
       fmt::format(" {} {} {} {} {} {} {}", shot_.load.scene, planned.variant.value_or(shot_.load.variant),
                   is_moving_ ? planned.animation : "", is_moving_ ? planned.moment_s : 0.0, shot_.load.texture_memory,
@@ -94,7 +94,8 @@ std::string Take::key() const {
 }
 
 void Take::set_checkpoint(Checkpoint checkpoint) {
-  const bool is_one = planned_.size() == 1 && shot_.engine == Engine::path && !(is_moving_ && shot_.shutter_s > 0.0);
+  const bool is_one =
+      end_index() - first_index() == 1 && shot_.engine == Engine::path && !(is_moving_ && shot_.shutter_s > 0.0);
   if (!is_one) throw Error("is of one traced picture without motion blur", "--checkpoint");
   checkpoint_ = std::move(checkpoint);
 }

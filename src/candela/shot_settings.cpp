@@ -1,12 +1,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "base/error.h"
 #include "base/named_row.h"
 #include "candela/shot.h"
 
 namespace candela {
+
+PictureRange parse_pictures(const std::string& text) {
+  PictureRange range;
+  const char *at = text.data(), *const end = at + text.size();
+  const auto first = std::from_chars(at, end, range.first);
+  range.last = range.first;
+  const bool has_last = first.ec == std::errc() && first.ptr != end && *first.ptr == '-';
+  const auto last = has_last ? std::from_chars(first.ptr + 1, end, range.last) : first;
+  const bool is_whole = last.ec == std::errc() && last.ptr == end;
+  if (!is_whole || range.first < 1 || range.last < range.first) {
+    throw Error("'" + text + "' are no pictures: the first eight are 1-8");
+  }
+  return range;
+}
 
 Quality parse_quality(std::string_view name) { return row_named(kQualities, name, "unknown quality").quality; }
 
