@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -38,6 +39,11 @@ path::Accumulator accumulator_of(const PicturePart& part) {
 }
 
 path::Accumulator sums_of(const PicturePart& part, std::span<const std::byte> bytes) {
+  const std::uint64_t pixels = static_cast<std::uint64_t>(part.size.x) * static_cast<std::uint64_t>(part.size.y);
+  // Before so much memory is taken.
+  if (bytes.size() / path::Accumulator::least_bytes_per_pixel() < pixels) {
+    throw Error("damaged part of a picture: the sums end before their pixels do");
+  }
   path::Accumulator sums = accumulator_of(part);
   try {
     sums.read(bytes);
@@ -97,6 +103,7 @@ PicturePart part_of_header(const Json& json) {
   for (const auto& [name, list] : json.at("mattes").items()) {
     const MatteKind kind = parse_matte_kind(name);
     p.mattes.insert(kind);
+    p.names[kind] = {};
     for (const Json& entry : list) p.names[kind][entry.at(0).get<std::uint32_t>()] = entry.at(1).get<std::string>();
   }
   p.has_features = json.at("has_features").get<bool>();
@@ -113,8 +120,14 @@ PicturePart part_of_header(const Json& json) {
     p.develop.background = vec3(b.at(0).get<float>(), b.at(1).get<float>(), b.at(2).get<float>());
   }
   if (!json.at("denoiser").is_null()) p.denoiser = denoise::parse_method(json.at("denoiser").get<std::string>());
-  const bool is_possible = p.size.x > 0 && p.size.y > 0 && p.size.x <= kMostSide && p.size.y <= kMostSide &&
-                           p.first_sample >= 0 && p.first_sample < p.end_sample && p.end_sample <= p.samples;
+  const auto is_finite = [](float v) { return std::isfinite(v); };
+  const float* matrix = &p.camera_from_world[0][0];
+  const bool has_numbers = std::all_of(matrix, matrix + 9, is_finite) && is_finite(p.develop.exposure.value_or(1.0f)) &&
+                           is_finite(p.develop.bloom) && is_finite(p.develop.background_opacity) &&
+                           candela::is_finite(p.develop.background.value_or(vec3(0.0f)));
+  const bool is_possible = has_numbers && p.size.x > 0 && p.size.y > 0 && p.size.x <= kMostSide &&
+                           p.size.y <= kMostSide && p.first_sample >= 0 && p.first_sample < p.end_sample &&
+                           p.end_sample <= p.samples;
   if (!is_possible) throw Error("its numbers are impossible");
   return p;
 }
@@ -156,7 +169,9 @@ PartRange parse_part(const std::string& text) {
   return range;
 }
 
-void write_part(const fs::path& path, const PicturePart& part) {
+void write_part(const fs::path& path, const PicturePart& part) { write_file(path, bytes_of_part(part)); }
+
+std::vector<std::byte> bytes_of_part(const PicturePart& part) {
   std::vector<std::byte> body;
   body.reserve(centre_bytes(part) + part.sums.size());
   for (const auto& [layer, image] : part.centres) append(image.pixels, body);
@@ -170,12 +185,14 @@ void write_part(const fs::path& path, const PicturePart& part) {
   std::vector<std::byte> bytes(begin.size() + packed.size());
   std::memcpy(bytes.data(), begin.data(), begin.size());
   std::copy(packed.begin(), packed.end(), bytes.begin() + static_cast<std::ptrdiff_t>(begin.size()));
-  write_file(path, bytes);
+  return bytes;
 }
 
 PicturePart read_part(const fs::path& path) {
-  const std::string where = path.string();
-  const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 38);
+  return part_of_bytes(read_file(path, std::uint64_t{1} << 38), path.string());
+}
+
+PicturePart part_of_bytes(std::span<const std::byte> bytes, const std::string& where) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (!text.starts_with(kMagic)) throw Error("is no part of a picture, or one of another version", where);
   const std::size_t end = text.find('\n', kMagic.size());
@@ -184,7 +201,7 @@ PicturePart read_part(const fs::path& path) {
     const Json header = Json::parse(text.substr(kMagic.size(), end - kMagic.size()));
     PicturePart part = part_of_header(header);
     const auto size = header.at("bytes").get<std::uint64_t>();
-    const std::span<const std::byte> packed = std::span(bytes).subspan(end + 1);
+    const std::span<const std::byte> packed = bytes.subspan(end + 1);
     constexpr std::uint64_t kMostPacked = 32768;  // a block of 128 KiB takes 4 bytes
     if (zstandard_size(packed) != size || size / kMostPacked > packed.size())
       throw Error("its sizes contradict each other");

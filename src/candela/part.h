@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,10 @@ struct PicturePart {
 void write_part(const std::filesystem::path& path, const PicturePart& part);
 /// Throws Error for a file that is damaged, of another version, or none.
 PicturePart read_part(const std::filesystem::path& path);
+
+/// The same in memory; `where` says in errors what they are of.
+std::vector<std::byte> bytes_of_part(const PicturePart& part);
+PicturePart part_of_bytes(std::span<const std::byte> bytes, const std::string& where);
 
 /// A picture of parts. The bits do not depend on their order.
 class MergedPicture {

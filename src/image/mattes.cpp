@@ -1,6 +1,7 @@
 #include "image/mattes.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/named_row.h"
@@ -56,6 +57,8 @@ void MatteSums::read(std::span<const std::byte>& bytes) {
     if (count[0] > bytes.size() / sizeof(Matte)) throw Error("the mattes end before their pixels do");
     list.resize(count[0]);
     take(std::as_writable_bytes(std::span(list)));
+    const auto is_possible = [](const Matte& m) { return m.coverage > 0.0f && std::isfinite(m.coverage); };
+    if (!std::all_of(list.begin(), list.end(), is_possible)) throw Error("a matte is impossible");
   }
 }
 

@@ -183,6 +183,8 @@ void Accumulator::read(std::span<const std::byte>& bytes) {
     std::copy_n(bytes.begin(), raw.size(), raw.begin());
     bytes = bytes.subspan(raw.size());
   });
+  const auto is_possible = [](const Pixel& p) { return p.alpha >= 0.0f && p.alpha <= static_cast<float>(p.count); };
+  if (!std::all_of(pixels_.begin(), pixels_.end(), is_possible)) throw Error("a pixel is impossible");
   for (auto& [kind, sums] : mattes_) sums.read(bytes);
 }
 

@@ -20,6 +20,8 @@ class Accumulator {
   Accumulator(const Settings& settings, bool has_through);
 
   static std::uint64_t bytes_per_pixel(const Settings& settings);
+  /// What write() makes of each pixel, at least.
+  static std::uint64_t least_bytes_per_pixel() { return sizeof(Pixel); }
 
   /// Adds the pixel's sample of this number; false when it is not finite, and then it is left out.
   bool add(int x, int y, std::uint32_t number, const PathSample& sample);
