@@ -52,10 +52,9 @@ def measure_by_turns(rows, runs):
 
 def views(o, folder):
     azimuths = [f"{360 * i / VIEWS:g}" for i in range(VIEWS)]
-    rows = {
-        "Candela, rasterizer": [[o.candela, "render", o.model, "--engine", "raster", "--env", o.env, "--size", f"{SIZE}x{SIZE}", "--turntable",
-                                 VIEWS, "--aov", "depth,normal,instance,material", "-o", folder / "candela%03d.exr", "-q"]]
-    }  # fmt: skip
+    ours = [o.candela, "render", o.model, "--engine", "raster", "--env", o.env, "--size", f"{SIZE}x{SIZE}", "--turntable", VIEWS,
+            "--aov", "depth,normal,instance,material", "-o", folder / "candela%03d.exr", "-q"]  # fmt: skip
+    rows = {"Candela, rasterizer": [ours], "Candela, one sample a pixel": [[*ours, "--msaa", 1]]}
     if o.f3d_python:
         peer = [o.f3d_python, PEERS / "f3d_views.py", o.model, SIZE]
         for what, light in (("its headlight", "-"), ("the same light", o.env)):
