@@ -65,13 +65,18 @@ bool parse_projection(const std::string& text) {
   return text == "orthographic";
 }
 
-void add_viewpoints(Command& command, RenderOptions& o, const std::string& group) {
+/// What names of files say of a set of pictures.
+std::string into(CameraPictures pictures, const std::string& name) {
+  return pictures == CameraPictures::files ? ", into -o " + name : "";
+}
+
+void add_viewpoints(Command& command, RenderOptions& o, CameraPictures pictures, const std::string& group) {
   const auto text = [](const std::string& value) { return value; };
   Option camera = add_value(command, "--camera", "INDEX|NAME", o.shot.camera, text,
                             "One of the file's cameras [the first, else the whole subject]");
-  Option views =
-      add_value(command, "--views", "LIST", o.shot.views, parse_views,
-                "A picture of the whole subject from each, into -o NAME-{view}.png; some of " + names_of_views());
+  Option views = add_value(
+      command, "--views", "LIST", o.shot.views, parse_views,
+      "A picture of the whole subject from each" + into(pictures, "NAME-{view}.png") + "; some of " + names_of_views());
   Option orbit = add_value(command, "--orbit", "AZ,EL[,DIST]", o.shot.orbit, parse_orbit,
                            "Degrees around and above the subject; DIST 1 fits it, 0.5 is twice as close");
   Option eye = add_value(command, "--eye", "X,Y,Z", o.shot.eye, parse_vec3, "Where the camera is, metres");
@@ -84,13 +89,8 @@ void add_viewpoints(Command& command, RenderOptions& o, const std::string& group
   };
   Option list = add_value(command, "--cameras", "FILE|sphere:N[,SEED]", o.camera_file, cameras,
                           "A picture through each camera of a .gltf, .glb, transforms.json or list of K and pose, or "
-                          "from N places around the subject (hemisphere: above it), into -o NAME-{camera}.png");
-  const auto written = [](const std::string& value) {
-    io::check_camera_file_name(value);
-    return std::filesystem::path(value);
-  };
-  Option write = add_value(command, "--write-cameras", "FILE", o.written_cameras, written,
-                           "The cameras of all pictures as .gltf, transforms.json or another .json");
+                          "from N places around the subject (hemisphere: above it)" +
+                              into(pictures, "NAME-{camera}.png"));
   Option no_clip = command.flag("--no-clip", o.shot.ignores_planes,
                                 "The file's camera sees what is before its near plane and beyond its far one, too");
   for (const Option& other : {camera, orbit, eye, list}) views.excludes(other);
@@ -99,14 +99,22 @@ void add_viewpoints(Command& command, RenderOptions& o, const std::string& group
   no_clip.excludes(orbit).excludes(eye).excludes(views).excludes(list);
   orbit.excludes(eye);
   target.needs(eye);
-  for (Option option : {camera, views, orbit, eye, target, list, write, no_clip}) option.group(group);
+  for (Option option : {camera, views, orbit, eye, target, list, no_clip}) option.group(group);
+  if (pictures != CameraPictures::files) return;
+  const auto written = [](const std::string& value) {
+    io::check_camera_file_name(value);
+    return std::filesystem::path(value);
+  };
+  add_value(command, "--write-cameras", "FILE", o.written_cameras, written,
+            "The cameras of all pictures as .gltf, transforms.json or another .json")
+      .group(group);
 }
 
 }  // namespace
 
-void add_camera_options(Command& command, RenderOptions& o) {
+void add_camera_options(Command& command, RenderOptions& o, CameraPictures pictures) {
   const std::string group = "Camera";
-  add_viewpoints(command, o, group);
+  add_viewpoints(command, o, pictures, group);
   Option projection = add_value(command, "--projection", "NAME", o.shot.is_orthographic, parse_projection,
                                 "perspective or orthographic; the subject is framed then, as with --margin, unless "
                                 "--eye says otherwise [perspective]");
@@ -124,7 +132,7 @@ void add_camera_options(Command& command, RenderOptions& o) {
   Option vignetting = add_value(command, "--vignetting", "X", o.shot.vignetting, number_within(0.0f, 1.0f),
                                 "Fall-off to the corners: 0 none, 1 natural [0]");
   Option turntable = add_value(command, "--turntable", "N", o.shot.turntable, count_within(1, 100000),
-                               "N pictures from all around the subject, into -o NAME%03d.png");
+                               "N pictures from all around the subject" + into(pictures, "NAME%03d.png"));
   for (Option option : {projection, margin, fov, f_number, focus, blades, vignetting, turntable}) option.group(group);
 }
 

@@ -16,7 +16,12 @@ std::optional<CameraSphere> parse_camera_sphere(const std::string& text);
 float parse_margin(const std::string& text);  ///< "0.08" or "8%"
 std::string names_of_views();                 ///< "front, back, …"
 
-void add_camera_options(Command& command, RenderOptions& options);
+/// Where the pictures through cameras go.
+enum class CameraPictures {
+  files,   ///< of `candela render`: named by the set, and the cameras can be written
+  report,  ///< into one
+};
+void add_camera_options(Command& command, RenderOptions& options, CameraPictures pictures = CameraPictures::files);
 
 /// Reads the list of cameras, and with it the size of the pictures where that is not given. Throws Error for the list,
 /// UsageError for what does not go together.

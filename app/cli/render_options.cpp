@@ -167,30 +167,6 @@ void add_time(Command& command, RenderOptions& o) {
       .group(group);
 }
 
-void add_light(Command& command, RenderOptions& o) {
-  const std::string group = "Light";
-  const auto text = [](const std::string& value) { return value; };
-  const auto degrees_within = [](float low, float high) {
-    return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
-  };
-  add_value(command, "--env", "FILE|NAME", o.shot.environment, text,
-            "An .exr (:LAYER) or .hdr, a cube map, or studio, studio:dark, studio:three-point, sky, sky:DEG, furnace, "
-            "none [the scene's wish, else studio]")
-      .group(group);
-  add_value(command, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
-            "Height of the sun: short for --env sky:DEG")
-      .group(group);
-  add_value(command, "--env-rotation", "DEG", o.shot.environment_rotation, degrees_within(-36000.0f, 36000.0f),
-            "Turns the environment about +y [0]")
-      .group(group);
-  add_value(command, "--env-intensity", "X", o.shot.environment_intensity, number_within(0.0f, kHuge),
-            "Multiplies the environment [1]")
-      .group(group);
-  add_value(command, "--light-falloff", "KIND", o.shot.falloff, parse_falloff,
-            "Of every point and spot: gltf, inverse-square, ue4 or polynomial[:A0,A1,A2] [each light's own]")
-      .group(group);
-}
-
 void add_running(Command& command, RenderOptions& o) {
   const std::string group = "Running";
   add_root(command, o.shot.load.root).group(group);
@@ -229,9 +205,6 @@ void add_running(Command& command, RenderOptions& o) {
 
 void add_raster(Command& command, RenderOptions& o) {
   const std::string group = "With --engine raster";
-  add_value(command, "--msaa", "N", o.shot.drawn.msaa, count_within(1, 16),
-            "Samples of each frame at edges, 1 to what the driver has [4]")
-      .group(group);
   const auto quantity = [&o](const std::string& text) {
     constexpr std::string_view kLight = "light:";
     if (text.starts_with(kLight)) {
@@ -247,31 +220,7 @@ void add_raster(Command& command, RenderOptions& o) {
   add_value(command, "--view", "NAME", o.shot.drawn.quantity, quantity,
             "One quantity in place of all light: normal, base-color, roughness, specular, light:0, … [light]")
       .group(group);
-  add_value(
-      command, "--ao", "X", o.shot.drawn.occlusion_radius, number_within(0.0f, 1.0f),
-      "How far surfaces take the environment's light from each other, over the scene's size, e.g. 0.05 [0: not at all]")
-      .group(group);
-  command
-      .flag("--soft-shadows", o.shot.drawn.has_soft_shadows,
-            "Shadows of suns soften with the distance from what casts them (those of glowing surfaces always do)")
-      .group(group);
-  add_value(command, "--light-radius", "M", o.shot.drawn.light_radius, number_within(0.0f, 1e6f),
-            "The same for points and spots, as if they were balls so large [0: hard]")
-      .group(group);
-  add_value(command, "--ambient", "KIND", o.shot.drawn.ambient, parse_ambient,
-            "Light from far away: baked, or for comparison harmonics, mips, constant, none [baked]")
-      .group(group);
-  add_value(command, "--probes", "N", o.shot.probes, count_within(0, 64),
-            "Light from within the scene, path traced at N places, in place of that from far away [0]")
-      .group(group);
-  command.flag("!--no-cache", o.keeps_cache, "Bake the environment anew, and keep nothing of it").group(group);
-  const auto folder = [](const std::string& value) {
-    if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
-    return value;
-  };
-  add_value(command, "--shaders", "DIR", o.shot.drawn.shader_folder, folder,
-            "For development: read shaders from there in place of those in the program")
-      .group(group);
+  add_drawing_options(command, o.shot, o.keeps_cache, group);
 }
 
 constexpr const char* kStops = R"(
@@ -556,6 +505,69 @@ std::string default_output(const RenderOptions& o, int attempt) {
   return default_pattern(o.shot, default_stem(o.shot.scene) + (attempt > 1 ? fmt::format("-{}", attempt) : ""));
 }
 
+void add_drawing_options(Command& command, Shot& shot, bool& keeps_cache, const std::string& group) {
+  add_value(command, "--msaa", "N", shot.drawn.msaa, count_within(1, 16),
+            "Samples of each frame at edges, 1 to what the driver has [4]")
+      .group(group);
+  add_value(
+      command, "--ao", "X", shot.drawn.occlusion_radius, number_within(0.0f, 1.0f),
+      "How far surfaces take the environment's light from each other, over the scene's size, e.g. 0.05 [0: not at all]")
+      .group(group);
+  command
+      .flag("--soft-shadows", shot.drawn.has_soft_shadows,
+            "Shadows of suns soften with the distance from what casts them (those of glowing surfaces always do)")
+      .group(group);
+  add_value(command, "--light-radius", "M", shot.drawn.light_radius, number_within(0.0f, 1e6f),
+            "The same for points and spots, as if they were balls so large [0: hard]")
+      .group(group);
+  add_value(command, "--ambient", "KIND", shot.drawn.ambient, parse_ambient,
+            "Light from far away: baked, or for comparison harmonics, mips, constant, none [baked]")
+      .group(group);
+  add_value(command, "--probes", "N", shot.probes, count_within(0, 64),
+            "Light from within the scene, path traced at N places, in place of that from far away [0]")
+      .group(group);
+  command.flag("!--no-cache", keeps_cache, "Bake the environment anew, and keep nothing of it").group(group);
+  const auto folder = [](const std::string& value) {
+    if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);
+    return value;
+  };
+  add_value(command, "--shaders", "DIR", shot.drawn.shader_folder, folder,
+            "For development: read shaders from there in place of those in the program")
+      .group(group);
+}
+
+void add_light_options(Command& command, RenderOptions& o) {
+  const std::string group = "Light";
+  const auto text = [](const std::string& value) { return value; };
+  const auto degrees_within = [](float low, float high) {
+    return [=](const std::string& value) { return candela::radians(parse_number(value, low, high)); };
+  };
+  add_value(command, "--env", "FILE|NAME", o.shot.environment, text,
+            "An .exr (:LAYER) or .hdr, a cube map, or studio, studio:dark, studio:three-point, sky, sky:DEG, furnace, "
+            "none [the scene's wish, else studio]")
+      .group(group);
+  add_value(command, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
+            "Height of the sun: short for --env sky:DEG")
+      .group(group);
+  add_value(command, "--env-rotation", "DEG", o.shot.environment_rotation, degrees_within(-36000.0f, 36000.0f),
+            "Turns the environment about +y [0]")
+      .group(group);
+  add_value(command, "--env-intensity", "X", o.shot.environment_intensity, number_within(0.0f, kHuge),
+            "Multiplies the environment [1]")
+      .group(group);
+  add_value(command, "--light-falloff", "KIND", o.shot.falloff, parse_falloff,
+            "Of every point and spot: gltf, inverse-square, ue4 or polynomial[:A0,A1,A2] [each light's own]")
+      .group(group);
+}
+
+void finish_light_options(RenderOptions& o) {
+  if (o.sun_elevation) {
+    if (o.shot.environment.value_or("sky") != "sky") throw UsageError("--sun-elevation: only for --env sky");
+    o.shot.environment = fmt::format("sky:{}", *o.sun_elevation);
+  }
+  check_environment_name(o.shot.environment.value_or("none"));
+}
+
 void add_render_options(Command& command, RenderOptions& options) {
   command.texts("SCENE", options.scenes,
                 "A file (" + kSceneFiles + ") or a built-in demo:NAME; several, or folders to search, with -o DIR");
@@ -563,7 +575,7 @@ void add_render_options(Command& command, RenderOptions& options) {
   add_sampling(command, options);
   add_camera_options(command, options);
   add_time(command, options);
-  add_light(command, options);
+  add_light_options(command, options);
   add_running(command, options);
   add_raster(command, options);
   command.footer(std::string(kExamples) + kStops);
@@ -617,12 +629,8 @@ void finish_options(const Command& command, RenderOptions& o) {
   o.shot.focuses_on_target = command.has("--focus-distance");
   finish_camera_options(command, o);
 
-  if (o.sun_elevation) {
-    if (o.shot.environment.value_or("sky") != "sky") throw UsageError("--sun-elevation: only for --env sky");
-    o.shot.environment = fmt::format("sky:{}", *o.sun_elevation);
-  }
+  finish_light_options(o);
   check_outputs(command, o);
-  check_environment_name(o.shot.environment.value_or("none"));
 }
 
 }  // namespace candela::cli

@@ -50,6 +50,14 @@ struct RenderOptions {
 /// Adds the options of `render`. They fill `options`, which must outlive the parsing.
 void add_render_options(Command& command, RenderOptions& options);
 
+/// Adds the options for light from far away and the falloff of lamps.
+void add_light_options(Command& command, RenderOptions& options);
+/// What follows from them. Throws UsageError, and Error for an environment that is not there.
+void finish_light_options(RenderOptions& options);
+
+/// Adds what is said of the rasterizer's frames, but for what they show.
+void add_drawing_options(Command& command, Shot& shot, bool& keeps_cache, const std::string& group);
+
 /// The name of its picture, or the pattern of its pictures, where none is given; a second attempt and later ones have a
 /// number.
 std::string default_output(const RenderOptions& options, int attempt);

@@ -21,6 +21,7 @@ Verb add_furnace(Command& command);
 Verb add_bake(Command& command);
 Verb add_check(Command& command);
 Verb add_diff(Command& command);
+Verb add_compare(Command& command);
 Verb add_view(Command& command);
 Verb add_figures(Command& command);
 
@@ -41,6 +42,7 @@ inline constexpr auto kVerbs = std::to_array<VerbInfo>({
     {"bake", "Image-based light for engines, with its error measured", add_bake},
     {"check", "Judge materials, textures and meshes as a physicist would", add_check},
     {"diff", "Measure how far one picture or model is from another", add_diff},
+    {"compare", "Measure how far the real-time frame is from the truth, and why", add_compare},
     {"view", "Show a scene in a window, drawn in real time", add_view},
     {"figures", "Make the figures of physically based shading, as pages to read", add_figures},
 });

@@ -290,6 +290,12 @@ class Take {
   const DevelopSettings& develop() const { return develop_; }
   /// From where every picture is taken, in their order, at the shot's first moment; after prepare().
   std::vector<View> views() const;
+  /// The scene as it stands in a picture, or when its exposure begins, and from where the picture is taken; after
+  /// prepare().
+  std::shared_ptr<const Scene> scene(std::size_t index) { return scene_of(index); }
+  View view(const Scene& scene, std::size_t index) const { return view_at(scene, index); }
+  /// What lights all of them from far away; after prepare().
+  const Environment& environment() const { return environment_; }
   /// Of a sequence: how many pictures a second show it as fast as it moves.
   std::optional<double> real_time_rate(std::size_t index) const;
 

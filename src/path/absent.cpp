@@ -1,5 +1,6 @@
 #include "base/parts.h"
 #include "path/capture.h"
+#include "path/direct_light.h"
 #include "path/render.h"
 
 // The doors of the path tracer in a build without it: nobody passes.
@@ -39,6 +40,7 @@ std::vector<std::byte> Picture::state() const { refuse(); }
 void Picture::set_state(std::span<const std::byte>) { refuse(); }
 
 Film render(const Scene&, const Environment&, const View&, const Settings&, const Job&, Statistics*) { refuse(); }
+DirectLight trace_direct_light(const Tracer&, const View&, const Settings&, const Job&) { refuse(); }
 Cubemap capture_environment(const Tracer&, vec3, int, const Settings&, const Job&, Statistics*) { refuse(); }
 
 }  // namespace candela::path

@@ -5,6 +5,7 @@
 #include "path/bodies.h"
 #include "path/place.h"
 #include "path/surface_point.h"
+#include "path/vertex.h"
 #include "path/walk.h"
 
 namespace candela::path {
@@ -71,11 +72,6 @@ struct Meeting {
 /// through a surface.
 bool is_glass(const shade::Surface& surface) { return surface.weight_glass > max_component(surface.diffuse_below); }
 
-LightReceiver receiver_at(const SurfacePoint& point) {
-  return {point.position, point.frame.n,
-          shade::surface_scatters_through(point.surface) ? shade::kReceiverBoth : shade::kReceiverFront};
-}
-
 /// Of light that a scene with a ground begins with: on the ground that the eye sees, only what the scene takes away and
 /// adds is looked for.
 float expected_share(const LightSample& light, bool is_seen_ground) {
@@ -123,18 +119,6 @@ vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& 
   return f.value * context.lights.radiance(light) * transmittance * (weight / light.pdf);
 }
 
-/// Weight of emission met by chance, in a direction drawn at `origin`, against having chosen that triangle as the lamp.
-/// `bsdf_pdf` ≤ 0: nothing else could.
-float emission_weight(const PathContext& context, const Hit& hit, const SurfacePoint& point, const Ray& ray,
-                      vec3 origin, float bsdf_pdf, const LightChances& chances) {
-  const int first = context.geometry.placement(hit.placement).first_light;
-  if (bsdf_pdf <= 0.0f || first < 0) return 1.0f;
-  const float cos_light = -glm::dot(ray.direction, point.geometric_normal);
-  const float distance = glm::length(point.position - origin);
-  const float pdf = context.lights.triangle_pdf(first + static_cast<int>(hit.triangle), chances, distance, cos_light);
-  return mis_weight(bsdf_pdf, pdf, kAreaMisPower);
-}
-
 }  // namespace
 
 Hit first_visible_hit(const PathContext& context, const Ray& ray, const Hit& hit, RayCounts& counts) {
@@ -167,15 +151,6 @@ bool step(const PathContext& context, Place& place, Ray& ray, Hit& hit, vec3 dir
   }
   if (is_here) ray.direction = direction;
   return is_here;
-}
-
-/// What the eye looks along ends at its far plane; light has no end.
-Ray next_ray(const Ray& last, vec3 origin, vec3 direction, bool is_eye) {
-  Ray ray;
-  ray.origin = origin;
-  ray.direction = direction;
-  if (is_eye && last.t_max < kInfinity) ray.t_max = last.t_max - glm::dot(origin - last.origin, direction);
-  return ray;
 }
 
 /// The ground as the eye sees it, see Ground.

@@ -484,17 +484,19 @@ LightSample Lights::sample_triangle(const TriangleLight& light, vec3 position, v
   return s;
 }
 
-vec3 Lights::escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint, float bsdf_pdf,
-                              const LightChances& chances) const {
+vec3 Lights::weighted_map(const EnvironmentLight::Footprint& footprint, float bsdf_pdf,
+                          const LightChances& chances) const {
   const EnvironmentLight::Value value = environment_.read(footprint);
-  vec3 radiance = value.radiance;
-  std::size_t source = 0;
-  const auto samples = static_cast<float>(chances.samples);
-  if (environment_.can_sample()) {
-    radiance *= mis_weight(bsdf_pdf, value.pdf * samples * chances.pmf[source++], kEnvironmentMisPower);
-  }
+  if (!environment_.can_sample()) return value.radiance;
+  const float chance = static_cast<float>(chances.samples) * chances.pmf[0];
+  return value.radiance * mis_weight(bsdf_pdf, value.pdf * chance, kEnvironmentMisPower);
+}
+
+vec3 Lights::weighted_suns(vec3 direction, float bsdf_pdf, const LightChances& chances) const {
+  vec3 radiance(0.0f);
+  std::size_t source = environment_.can_sample() ? 1 : 0;
   for (const auto& sun : environment_.suns()) {
-    const float chance = samples * chances.pmf[source++];
+    const float chance = static_cast<float>(chances.samples) * chances.pmf[source++];
     if (!sun.contains(direction)) continue;
     radiance += sun.radiance * mis_weight(bsdf_pdf, chance / sun.solid_angle, kAreaMisPower);
   }

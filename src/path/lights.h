@@ -62,6 +62,8 @@ class Lights {
   Lights(const Scene& scene, std::shared_ptr<const PreparedEnvironment> environment, Geometry& geometry);
 
   bool can_sample() const { return !sources_.empty() || !tree_.empty(); }
+  /// Whether some surface glows.
+  bool has_glowing() const { return !triangles_.empty(); }
   /// `is_seen`: the receiver is what the picture shows, and not only what lights that.
   void find_chances(const LightReceiver& receiver, bool is_seen, LightChances& chances) const;
   /// One of chances.samples for their receiver.
@@ -86,7 +88,12 @@ class Lights {
   /// The same for a direction that the material sampled with density `bsdf_pdf` > 0 where the lights had these chances:
   /// each part is weighted against sample().
   vec3 escaped_radiance(vec3 direction, const EnvironmentLight::Footprint& footprint, float bsdf_pdf,
-                        const LightChances& chances) const;
+                        const LightChances& chances) const {
+    return weighted_map(footprint, bsdf_pdf, chances) + weighted_suns(direction, bsdf_pdf, chances);
+  }
+  /// Its parts.
+  vec3 weighted_map(const EnvironmentLight::Footprint& footprint, float bsdf_pdf, const LightChances& chances) const;
+  vec3 weighted_suns(vec3 direction, float bsdf_pdf, const LightChances& chances) const;
 
   /// Density of sample() for the point of an emissive triangle at `distance` seen under `cos_light`; 0 when never
   /// sampled.

@@ -18,6 +18,7 @@
 #include "path/integrator.h"
 #include "path/pixel_filter.h"
 #include "path/surface_map.h"
+#include "path/tracer_parts.h"
 #include "scene/surface_layers.h"
 
 namespace candela::path {
@@ -123,39 +124,7 @@ const Settings& checked(const Settings& settings) {
   return settings;
 }
 
-const Scene& validated(const std::shared_ptr<const Scene>& scene) {
-  validate(*scene);
-  return *scene;
-}
-
 }  // namespace
-
-struct Tracer::Parts {
-  Parts(std::shared_ptr<const Scene> made_of, std::shared_ptr<const PreparedEnvironment> environment,
-        const shade::ShadingModel& shading, double light_s = 0.0)
-      : scene(std::move(made_of)),
-        shape(scene),
-        shared_geometry(std::make_shared<Geometry>(validated(scene), shading)),
-        geometry(*shared_geometry),
-        lights(*scene, std::move(environment), geometry),
-        build_s(light_s + watch.seconds()) {}
-  Parts(const Parts& before, std::shared_ptr<const Scene> made_of,
-        std::shared_ptr<const PreparedEnvironment> environment)
-      : scene(std::move(made_of)),
-        shape(before.shape),
-        shared_geometry(before.shared_geometry),
-        geometry(*shared_geometry),
-        lights(validated(scene), std::move(environment), geometry),
-        build_s(watch.seconds()) {}
-
-  Stopwatch watch;
-  std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const Scene> shape;  ///< what the geometry reads
-  std::shared_ptr<Geometry> shared_geometry;
-  Geometry& geometry;
-  Lights lights;
-  double build_s;
-};
 
 /// Owns what the passes of a picture share.
 class Picture::Impl {
@@ -218,9 +187,6 @@ class Picture::Impl {
   void report(const Job& job);
   void add_centre_layers(Film& film) const;
   void add_mattes(ivec2 pixel, const Ray& ray, const Hit& first);
-  std::uint32_t pixel_seed(int x, int y) const {
-    return hash_combine(hash_combine(settings_.seed, static_cast<std::uint32_t>(x)), static_cast<std::uint32_t>(y));
-  }
   std::size_t pixel_count() const { return converged_.size(); }
   double mean_samples() const {
     return static_cast<double>(totals_.samples.load() + totals_.spared.load()) / static_cast<double>(pixel_count());
@@ -305,7 +271,7 @@ void Picture::Impl::render_block(ivec2 corner, std::uint32_t first_sample, std::
     // ----- sixteen camera rays together
     for (int i = 0; i < RayPacket::kSize; ++i) {
       if (!packet.active[i]) continue;
-      samplers[i] = SobolSampler(pixel_seed(pixels[i].x, pixels[i].y), s);
+      samplers[i] = SobolSampler(pixel_seed(settings_.seed, pixels[i].x, pixels[i].y), s);
       const vec2 film = vec2(pixels[i]) + 0.5f + filter_.sample(samplers[i].next_2d());
       const vec2 u_lens = camera_.has_lens() ? samplers[i].next_2d() : vec2(0.5f);
       const Camera::Sample camera = camera_.generate(film, u_lens);
@@ -591,6 +557,11 @@ const char* integrator_name(Integrator integrator) {
 
 void check_built() {}
 
+void check(const Settings& settings, const View& view) {
+  check_settings(settings);
+  check_view(view);
+}
+
 std::uint64_t picture_bytes(const Settings& settings) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
   constexpr std::uint64_t kFlags = 2;  // who is empty, and has converged
@@ -644,8 +615,7 @@ void Picture::set_state(std::span<const std::byte> bytes) { impl_->set_state(byt
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             const Job& job, Statistics* statistics) {
-  check_settings(settings);
-  check_view(view);
+  check(settings, view);
   const Tracer tracer(borrowed(scene), environment);
   Film film = tracer.render(view, settings, job, statistics);
   if (statistics != nullptr) statistics->build_s = tracer.build_s();

@@ -108,6 +108,8 @@ class FarLight {
   std::shared_ptr<const PreparedEnvironment> prepared_;
 };
 
+struct DirectLight;
+
 /// A scene with its light, prepared for tracing: acceleration structure, light tables, materials with their textures.
 /// Several threads may render pictures of it at once.
 class Tracer {
@@ -132,6 +134,7 @@ class Tracer {
 
  private:
   friend class Picture;
+  friend DirectLight trace_direct_light(const Tracer&, const View&, const Settings&, const Job&);
   struct Parts;
   std::shared_ptr<const Parts> parts_;
 };

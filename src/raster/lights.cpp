@@ -262,6 +262,13 @@ bool add_area_shadows(SceneLights& lights, AreaEntry& area, vec3 from, const Box
   return true;
 }
 
+void remove_shadows(SceneLights& lights) {
+  lights.shadow_count = 0;
+  lights.shadow_owner.fill(-1);
+  for (LightEntry& light : lights.block.lights) light.first_shadow = -1, light.shadow_count = 0;
+  for (AreaEntry& area : lights.block.areas) area.first_shadow = -1, area.shadow_count = 0;
+}
+
 gl::Texture upload_profiles(const Scene& scene) {
   constexpr int kWidth = 361, kHeight = 181;  // a degree each
   const auto layers = std::max<std::size_t>(scene.ies_profiles.size(), 1);

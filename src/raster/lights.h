@@ -46,6 +46,9 @@ int shadow_views(const AreaEntry& area);
 /// both sides. False where there is no room for them.
 bool add_area_shadows(SceneLights& lights, AreaEntry& area, vec3 from, const Box3& bounds);
 
+/// Takes all shadow maps away: nothing stands in the light's way.
+void remove_shadows(SceneLights& lights);
+
 /// The IES profiles of a scene as layers of one texture: horizontal angle by vertical angle, candela.
 gl::Texture upload_profiles(const Scene& scene);
 

@@ -323,13 +323,31 @@ class Drawer::Impl {
   std::unique_ptr<Renderer> renderer_;
 };
 
-/// Whether what pictures of these settings need is there, but for their size, which is set.
+namespace {
+
+/// What of the settings one renderer draws with as with another: sizes, and which part of the light under which
+/// shadows.
+void take_over_frame_settings(const Settings& from, Settings& to) {
+  to.width = from.width, to.height = from.height, to.frames = from.frames;
+  to.specular_antialiasing = from.specular_antialiasing;
+  to.has_soft_shadows = from.has_soft_shadows, to.light_radius = from.light_radius, to.has_shadows = from.has_shadows;
+  if (!is_of_surface(from.quantity) && !is_of_surface(to.quantity)) to.quantity = from.quantity;
+  to.shown_light = from.shown_light;
+  to.layers = from.layers, to.mattes = from.mattes, to.has_masks = from.has_masks;
+}
+
+}  // namespace
+
+/// Whether what pictures of these settings need is there, or is after small changes.
 bool Drawer::Impl::is_prepared(const Settings& settings) {
   if (renderer_ == nullptr) return false;
+  // A ground and what shows through glass are parts of a whole picture alone.
+  const bool shows_through = scene_->ground || settings.background != Background::environment;
+  if (shows_through && settings.quantity != settings_.quantity) return false;
   Settings kept = settings_;
-  kept.width = settings.width, kept.height = settings.height;
+  take_over_frame_settings(settings, kept);
   if (settings != kept) return false;
-  if (settings != settings_) renderer_->resize(settings.width, settings.height);
+  if (settings != settings_) renderer_->change(settings);
   settings_ = settings;
   return true;
 }

@@ -37,6 +37,7 @@ struct Settings {
   /// point and spot lights by `light_radius`.
   bool has_soft_shadows = false;
   float light_radius = 0.0f;            ///< metres
+  bool has_shadows = true;              ///< false: lamps shine through everything
   Quantity quantity = Quantity::light;  ///< shown in place of all light; then without a background
   int most_textures = 0;                ///< that a shader reads at once; 0: the driver's limit. The minimum is 16
   int shown_light = 0;                  ///< for Quantity::one_light; the strongest is 0

@@ -259,6 +259,7 @@ void Renderer::begin(const View& view, LightPoint point) {
     for (LightEntry& light : lights_.block.lights) light.sun_radius = 0.0f;
   }
   add_areas(areas_, gpu_, point, lights_, diagnostics);
+  if (!settings_.has_shadows) remove_shadows(lights_);
   glBindBuffer(GL_UNIFORM_BUFFER, lights_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof lights_.block, &lights_.block, GL_DYNAMIC_DRAW);
   draw_shadows();

@@ -48,8 +48,8 @@ class Renderer {
   Image read_through();
   /// Shows the last frame in the framebuffer of a window of `size` pixels.
   void present(ivec2 size, float exposure, ToneCurve tone_curve);
-  /// Frames of another size from here on.
-  void resize(int width, int height);
+  /// Frames of another size from here on, of another part of the light, with other shadows; begin() has to follow.
+  void change(const Settings& settings);
   /// A layer that has a mean, as the first surface at each pixel's centre has it.
   Image read_layer(const View& view, Layer layer);
   /// What is at each pixel's centre; see frame_camera for `jitter` and `aperture`.

@@ -159,9 +159,11 @@ void Renderer::present(ivec2 size, float exposure, ToneCurve tone_curve) {
   gl::check("showing the picture");
 }
 
-void Renderer::resize(int width, int height) {
-  settings_.width = width;
-  settings_.height = height;
+void Renderer::change(const Settings& settings) {
+  const Settings before = std::exchange(settings_, settings);
+  settings_.msaa = before.msaa;
+  settings_.background = before.background, settings_.environment_in_glass = before.environment_in_glass;
+  if (settings.width == before.width && settings.height == before.height) return;
   make_targets();
   make_occlusion_targets();
 }

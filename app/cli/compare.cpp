@@ -1,0 +1,229 @@
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "candela/cache.h"
+#include "cli/camera_options.h"
+#include "cli/gap_report.h"
+#include "cli/inputs.h"
+#include "cli/interrupt.h"
+#include "cli/option.h"
+#include "cli/output.h"
+#include "cli/progress.h"
+#include "cli/render_options.h"
+#include "cli/render_outputs.h"
+#include "cli/verbs.h"
+
+namespace candela::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPage = "index.html";
+constexpr const char* kNumbers = "gap.json";
+
+struct CompareOptions {
+  std::string output;
+  RenderOptions recipe;
+  GapSettings settings;
+  std::optional<float> max_flip;
+  bool json = false;
+
+  bool is_page() const { return has_extension(output, ".html"); }
+  bool is_folder() const { return !output.empty() && !is_page(); }
+};
+
+void add_scene(Command& command, CompareOptions& o) {
+  const std::string group = "Scene";
+  const auto text = [](const std::string& value) { return value; };
+  Shot& shot = o.recipe.shot;
+  add_scene_choice(command, shot.load.scene).group(group);
+  add_measures(command, shot.load.measures, group);
+  add_value(command, "--variant", "NAME", shot.load.variant, text, "One of the file's material variants").group(group);
+  add_value(command, "--frame-time", "1.5s", shot.moment_s, parse_moment, "The moment of the animation [at rest]")
+      .group(group);
+  add_value(command, "--animation", "NAME|INDEX|all", shot.animation, text, "Which animation [the first]").group(group);
+  add_root(command, shot.load.root).group(group);
+  add_texture_memory(command, shot.load.texture_memory).group(group);
+}
+
+void add_pictures(Command& command, CompareOptions& o) {
+  const std::string group = "Pictures";
+  Shot& shot = o.recipe.shot;
+  shot.size = {640, 360};
+  constexpr int kMostSamples = 1 << 20, kMostFrames = 4096;
+  const auto seed = [](const std::string& value) {
+    return static_cast<std::uint32_t>(parse_count(value, 0, std::numeric_limits<int>::max()));
+  };
+  add_value(command, "--size", "WxH", shot.size, parse_size, "Pixels [640x360]").group(group);
+  add_value(command, "--spp", "N", o.settings.samples, count_within(2, kMostSamples),
+            "Samples per pixel of the truth [128]")
+      .group(group);
+  add_value(command, "--frames", "N", o.settings.frames, count_within(1, kMostFrames),
+            "Frames whose mean tells edges and textures from the other causes [16]")
+      .group(group);
+  add_value(command, "--bounces", "N", shot.traced.bounces, count_within(1, 1024), "Of the truth [8]").group(group);
+  add_value(command, "--seed", "N", shot.traced.seed, seed, "Of the truth's noise [0]").group(group);
+  add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", shot.exposure, parse_exposure,
+            "How both are seen [the scene's wish, else metered from the truth]")
+      .group(group);
+  add_value(command, "--tonemap", "CURVE", shot.tone_curve, parse_tone_curve, "Likewise [pbr-neutral]").group(group);
+}
+
+void finish(const Command& command, CompareOptions& o) {
+  Shot& shot = o.recipe.shot;
+  shot.scene = o.recipe.scenes.front();
+  if (o.recipe.keeps_cache) shot.drawn.cache = cache_folder();
+  if (shot.drawn.light_radius > 0.0f) shot.drawn.has_soft_shadows = true;
+  shot.focuses_on_target = command.has("--focus-distance");
+  finish_camera_options(command, o.recipe);
+  finish_light_options(o.recipe);
+  const ivec2 size = shot.size;
+  constexpr std::uint64_t kBytesPerPixel = 1024;  // parts of the light by both engines, and what each adds to the error
+  require_memory(2 * picture_bytes(shot) +
+                     kBytesPerPixel * static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y),
+                 available_memory(), fmt::format("a comparison of {}x{}", size.x, size.y), "--size");
+}
+
+/// Refuses what cannot be written, and what would overwrite something that is read.
+void check_output(const CompareOptions& o) {
+  if (o.output.empty()) return;
+  Inputs inputs;
+  const Shot& shot = o.recipe.shot;
+  inputs.add(shot.scene, "the scene");
+  add_scene_files({shot.scene}, shot.load.root, inputs);
+  if (o.recipe.camera_file) inputs.add(*o.recipe.camera_file, "the cameras");
+  inputs.add_environment(shot.environment.value_or(""));
+  if (o.is_page()) {
+    inputs.refuse(o.output);
+    return check_writable(o.output);
+  }
+  std::error_code ignored;
+  if (fs::exists(o.output, ignored) && !fs::is_directory(o.output, ignored)) {
+    throw UsageError("--output: a folder, or a page .html: " + o.output);
+  }
+  inputs.refuse_folder(o.output);
+  check_writable(fs::path(o.output) / kPage);
+}
+
+/// The linear pictures of a view in the folder.
+void write_pictures(const CompareOptions& o, const ViewGap& gap) {
+  const fs::path folder(o.output);
+  const std::string number = o.recipe.shot.has_many_pictures() ? fmt::format("-{:03d}", gap.index) : "";
+  for (const auto& [name, film] : {std::pair{"truth", &gap.truth}, {"frame", &gap.frame}}) {
+    const fs::path path = folder / fmt::format("{}{}.exr", name, number);
+    const FolderFor made(path);
+    write_exr(path, *film);
+  }
+}
+
+/// A number for its report takes little, its pictures much.
+void drop_pictures(ViewGap& gap) {
+  gap.truth = gap.frame = {};
+  gap.difference.error = {};
+  gap.difference.first = gap.difference.second = {};
+  for (CauseGap& cause : gap.causes) cause.error = {};
+}
+
+void write_reports(const CompareOptions& o, const std::vector<ViewGap>& gaps,
+                   const std::vector<std::string>& sections) {
+  if (o.output.empty()) return;
+  const std::string& scene = o.recipe.shot.scene;
+  const fs::path page = o.is_page() ? fs::path(o.output) : fs::path(o.output) / kPage;
+  const FolderFor folder(page);
+  write_file(page, gap_page(scene, o.settings, sections));
+  if (o.is_folder()) write_file(fs::path(o.output) / kNumbers, gap_json(scene, o.settings, gaps, o.max_flip));
+}
+
+void require_small(const CompareOptions& o, const std::vector<ViewGap>& gaps) {
+  if (!o.max_flip) return;
+  const ViewGap* worst = nullptr;
+  std::size_t beyond = 0;
+  for (const ViewGap& gap : gaps) {
+    if (!(gap.difference.flip > static_cast<double>(*o.max_flip))) continue;
+    ++beyond;
+    if (worst == nullptr || gap.difference.flip > worst->difference.flip) worst = &gap;
+  }
+  if (worst == nullptr) return;
+  throw Error(fmt::format("FLIP {:.4f} is above {} (--max-flip){}", worst->difference.flip, *o.max_flip,
+                          beyond > 1 ? fmt::format(", and {} more views", beyond - 1) : ""),
+              o.recipe.shot.scene + (gaps.size() > 1 ? " " + title_of(*worst) : ""));
+}
+
+void run_compare(const Command& command, CompareOptions& o) {
+  finish(command, o);
+  check_output(o);
+  const ThreadLimit threads(o.recipe.threads);
+  // Mesa's processor driver has threads of its own.
+  if (o.recipe.threads > 0) setenv("LP_NUM_THREADS", std::to_string(o.recipe.threads).c_str(), 0);
+  const Interrupt interrupt;
+  ProgressLine progress(o.recipe.quiet);
+  Diagnostics diagnostics;
+  Job job = progress.job();
+  job.diagnostics = &diagnostics;
+  std::vector<ViewGap> gaps;
+  std::vector<std::string> sections;
+  std::size_t reported = 0;
+  measure_gaps(
+      o.recipe.shot, o.settings,
+      [&](ViewGap gap) {
+        progress.clear();  // both may be the same terminal
+        for (; reported < diagnostics.warnings().size(); ++reported) progress.warn(diagnostics.warnings()[reported]);
+        if (!o.json) print(gap_text(gap));
+        if (o.is_folder()) write_pictures(o, gap);
+        if (!o.output.empty()) sections.push_back(gap_section(gap, o.max_flip));
+        drop_pictures(gap);
+        gaps.push_back(std::move(gap));
+      },
+      job);
+  progress.clear();
+  if (o.json) print(gap_json(o.recipe.shot.scene, o.settings, gaps, o.max_flip));
+  write_reports(o, gaps, sections);
+  require_small(o, gaps);
+}
+
+}  // namespace
+
+Verb add_compare(Command& command) {
+  const auto options = std::make_shared<CompareOptions>();
+  CompareOptions& o = *options;
+  o.recipe.scenes.resize(1);
+  command.text("SCENE", o.recipe.scenes[0], "A file (" + kSceneFiles + ") or a built-in demo:NAME").required();
+  command
+      .text("-o,--output", o.output,
+            "Also a page with the pictures, where they differ and the tables: FILE.html; or a folder for it, for " +
+                std::string(kNumbers) + " and for both pictures as .exr")
+      .type("DIR|FILE.html");
+  add_value(command, "--max-flip", "X", o.max_flip, number_within(0.0f, 1.0f),
+            "Exit code 1 where the mean FLIP of a view is above that");
+  command.flag("--json", o.json, "For a machine: one JSON object");
+  bool& suspects = o.settings.looks_for_suspects;
+  command.flag("!--no-suspects", suspects, "Do not look for mistakes that would explain what is wrong");
+  add_value(command, "--threads", "N", o.recipe.threads, count_within(0, 1024), "0 is all [0]");
+  command.flag("-q,--quiet", o.recipe.quiet, "No progress on standard error");
+  add_scene(command, o);
+  add_pictures(command, o);
+  add_camera_options(command, o.recipe, CameraPictures::report);
+  add_light_options(command, o.recipe);
+  add_drawing_options(command, o.recipe.shot, o.recipe.keeps_cache, "The frame");
+  command.footer(
+      "Examples:\n  candela compare helmet.glb\n  candela compare helmet.glb -o gap/ --env sky --ao 0.05\n"
+      "  candela compare chair.glb --views front,left,top -o gap.html --max-flip 0.08\n"
+      "  candela compare helmet.glb --shaders my-shaders/ --json\n\n"
+      "Both engines see the same, in linear light. FLIP is how different two pictures look when one flips between "
+      "them, "
+      "0 to 1.\nEach cause is one approximation of the frame in place of its exact counterpart; the shares of all add "
+      "up to 100 %.");
+  return [options, &command] { run_compare(command, *options); };
+}
+
+}  // namespace candela::cli

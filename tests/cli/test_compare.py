@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""`candela compare`: how far the real-time frame is from the truth, and why."""
+
+import json
+import re
+import shutil
+
+import candela
+from candela import ROOT
+from test_raster import RasterTest
+
+QUICK = ("--spp", "16", "--frames", "4", "-q")
+METALS = ("demo:row-roughness-metal", "--size", "240x48", *QUICK)
+BALLS = ("demo:row-roughness", "--size", "240x48", *QUICK)
+
+
+class Compare(RasterTest):
+    def files_of(self, folder):
+        return sorted(path.name for path in (self.folder / folder).iterdir())
+
+    def views(self, *arguments):
+        return json.loads(self.draws("compare", *arguments, "--json").out)["views"]
+
+    def test_a_folder_has_the_page_the_numbers_and_both_pictures(self):
+        text = self.draws("compare", *BALLS, "-o", "gap", "--exposure", "0").out
+        self.assertRegex(text, r"the view: FLIP 0\.\d{4}")
+        self.assertIn("What hides the environment", text)
+        self.assertEqual(self.files_of("gap"), ["frame.exr", "gap.json", "index.html", "truth.exr"])
+        page = (self.folder / "gap/index.html").read_text()
+        self.assertNotRegex(page, "(?i)(src|href)=.?(http|//|[^\"']+\\.(js|css|png))", "nothing from elsewhere")
+        self.assertIn("share of the squared error", page)
+        view, = json.loads((self.folder / "gap/gap.json").read_text())["views"]
+        self.assertAlmostEqual(sum(c["share"] for c in view["causes"]), 1, 4)
+        self.assertEqual(view["pixels"], 240 * 48)
+        pair, = json.loads(self.succeeds("diff", "gap/truth.exr", "gap/frame.exr", "--exposure", "0", "--json").out)["pairs"]
+        self.assertLess(abs(pair["flip"] - view["flip"]), 0.001)
+
+    def test_a_limit_decides_the_exit_code(self):
+        self.draws("compare", *BALLS, "--max-flip", "1")
+        result = self.run_candela("compare", *BALLS, "--max-flip", "0.001", "-o", "gap.html", env=self.environment)
+        self.assertEqual(result.code, 1)
+        self.assertRegex(result.err, r"^candela: demo:row-roughness: FLIP 0\.\d+ is above 0\.001 \(--max-flip\)\n$")
+        self.assertIn('class="beyond"', (self.folder / "gap.html").read_text())
+
+    def test_several_views_are_named_and_each_has_its_pictures(self):
+        views = self.views(*METALS, "--views", "front,top", "-o", "gap")
+        self.assertEqual([v["view"] for v in views], ["front", "top"])
+        self.assertEqual(self.files_of("gap"), ["frame-000.exr", "frame-001.exr", "gap.json", "index.html",
+                                             "truth-000.exr", "truth-001.exr"])
+
+    def test_bad_input_is_one_line(self):
+        self.fails("compare", "absent.glb", says="absent.glb")
+        self.fails("compare", *BALLS, "--env", "absent.hdr", says="absent.hdr")
+        self.fails("compare", *BALLS, "-o", "/proc/absent/x.html", says="/proc/absent")
+        (self.folder / "a").mkdir()
+        (self.folder / "a/t.glb").write_bytes(candela.triangle_glb())
+        self.fails("compare", "a/t.glb", *QUICK, "-o", "a", says="t.glb")
+
+    def test_wrong_usage(self):
+        self.refuses("compare", *BALLS, "--spp", "1", says="--spp")
+        self.refuses("compare", *BALLS, "--background", "transparent", says="--background")
+        self.refuses("compare", *BALLS, "--orbit", "1,2", "--views", "front", says="--views|--orbit")
+
+
+class Mistakes(RasterTest):
+    """Wrong approximations, planted in the shaders, are found and named."""
+
+    def suspects(self, arguments, file, pattern, replacement):
+        shaders = self.folder / "shaders"
+        shutil.rmtree(shaders, ignore_errors=True)
+        shutil.copytree(ROOT / "src/raster/shaders", shaders)
+        shutil.copytree(ROOT / "src/shade", shaders / "shade", ignore=shutil.ignore_patterns("*.cpp", "*.txt"))
+        text = (shaders / file).read_text()
+        changed = re.sub(pattern, replacement, text, flags=re.S)
+        self.assertNotEqual(changed, text, "the planted mistake is not there")
+        (shaders / file).write_text(changed)
+        out = self.draws("compare", *arguments, "--shaders", "shaders", "--json").out
+        return [s["suspect"] for s in json.loads(out)["views"][0]["suspects"]], out
+
+    def test_what_is_right_has_no_suspects(self):
+        out = self.draws("compare", *METALS, "--env", "studio:three-point", "--json").out
+        self.assertEqual(json.loads(out)["views"][0]["suspects"], [])
+
+    def test_a_missing_division_by_pi(self):
+        suspects, out = self.suspects((*BALLS, "--env", "sky"), "mesh_far_light.glsl",
+                                      r"\(part\(kDiffusePart\) / kShadePi\) \*", "part(kDiffusePart) *")
+        self.assertIn("factor-diffuse", suspects)
+        self.assertIn("division by π were missing", out)
+
+    def test_a_mirrored_environment(self):
+        suspects, _ = self.suspects((*METALS, "--env", "studio:three-point"), "mesh_far_light.glsl",
+                                    r"(prefiltered\(vec3 direction, float alpha\) \{\n)",
+                                    r"\1  direction.z = -direction.z;\n")
+        self.assertEqual(suspects[:1], ["environment-mirrored"])
+
+    def test_roughness_squared_twice(self):
+        suspects, _ = self.suspects((*METALS, "--env", "studio:three-point"), "shade/surface_base.glsl.h",
+                                    r"roughness_to_alpha\(p\.roughness\)", "roughness_to_alpha(p.roughness * p.roughness)")
+        self.assertEqual(suspects[:1], ["roughness-squared"])
+
+    def test_lamps_twice_as_bright(self):
+        suspects, _ = self.suspects(("demo:cornell", "--size", "96x96", *QUICK), "mesh.frag.glsl",
+                                    r"part\(kDirectPart\) \* area_light", "2.0 * part(kDirectPart) * area_light")
+        self.assertIn("factor-lamps", suspects)
+
+
+if __name__ == "__main__":
+    candela.main()
