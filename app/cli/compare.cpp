@@ -35,6 +35,7 @@ struct CompareOptions {
   std::string output;
   RenderOptions recipe;
   GapSettings settings;
+  std::string against;  ///< a picture of another program, in place of the frame
   std::optional<float> max_flip;
   bool json = false;
 
@@ -79,8 +80,19 @@ void add_pictures(Command& command, CompareOptions& o) {
   add_value(command, "--tonemap", "CURVE", shot.tone_curve, parse_tone_curve, "Likewise [pbr-neutral]").group(group);
 }
 
+void finish_against(const Command& command, CompareOptions& o) {
+  for (const char* option : {"--frames", "--no-suspects", "--msaa", "--ao", "--soft-shadows", "--light-radius",
+                             "--ambient", "--probes", "--no-cache", "--shaders"}) {
+    if (command.has(option)) throw UsageError(std::string(option) + ": of the frame, which --against stands for");
+  }
+  if (command.has("--size")) return;
+  const Image picture = read_image_file(parse_image_name(o.against)).image;
+  o.recipe.shot.size = {picture.width, picture.height};
+}
+
 void finish(const Command& command, CompareOptions& o) {
   Shot& shot = o.recipe.shot;
+  if (!o.against.empty()) finish_against(command, o);
   shot.scene = o.recipe.scenes.front();
   if (o.recipe.keeps_cache) shot.drawn.cache = cache_folder();
   if (shot.drawn.light_radius > 0.0f) shot.drawn.has_soft_shadows = true;
@@ -103,6 +115,7 @@ void check_output(const CompareOptions& o) {
   add_scene_files({shot.scene}, shot.load.root, inputs);
   if (o.recipe.camera_file) inputs.add(*o.recipe.camera_file, "the cameras");
   inputs.add_environment(shot.environment.value_or(""));
+  if (!o.against.empty()) inputs.add(parse_image_name(o.against).path, "the picture to judge");
   if (o.is_page()) {
     inputs.refuse(o.output);
     return check_writable(o.output);
@@ -140,7 +153,7 @@ void write_reports(const CompareOptions& o, const std::vector<ViewGap>& gaps,
   const std::string& scene = o.recipe.shot.scene;
   const fs::path page = o.is_page() ? fs::path(o.output) : fs::path(o.output) / kPage;
   const FolderFor folder(page);
-  write_file(page, gap_page(scene, o.settings, sections));
+  write_file(page, gap_page(scene, o.against, o.settings, sections));
   if (o.is_folder()) write_file(fs::path(o.output) / kNumbers, gap_json(scene, o.settings, gaps, o.max_flip));
 }
 
@@ -173,18 +186,20 @@ void run_compare(const Command& command, CompareOptions& o) {
   std::vector<ViewGap> gaps;
   std::vector<std::string> sections;
   std::size_t reported = 0;
-  measure_gaps(
-      o.recipe.shot, o.settings,
-      [&](ViewGap gap) {
-        progress.clear();  // both may be the same terminal
-        for (; reported < diagnostics.warnings().size(); ++reported) progress.warn(diagnostics.warnings()[reported]);
-        if (!o.json) print(gap_text(gap));
-        if (o.is_folder()) write_pictures(o, gap);
-        if (!o.output.empty()) sections.push_back(gap_section(gap, o.max_flip));
-        drop_pictures(gap);
-        gaps.push_back(std::move(gap));
-      },
-      job);
+  const auto take = [&](ViewGap gap) {
+    progress.clear();  // both may be the same terminal
+    for (; reported < diagnostics.warnings().size(); ++reported) progress.warn(diagnostics.warnings()[reported]);
+    if (!o.json) print(gap_text(gap));
+    if (o.is_folder()) write_pictures(o, gap);
+    if (!o.output.empty()) sections.push_back(gap_section(gap, o.max_flip));
+    drop_pictures(gap);
+    gaps.push_back(std::move(gap));
+  };
+  if (o.against.empty()) {
+    measure_gaps(o.recipe.shot, o.settings, take, job);
+  } else {
+    take(measure_against(o.recipe.shot, o.settings, parse_image_name(o.against), job));
+  }
   progress.clear();
   if (o.json) print(gap_json(o.recipe.shot.scene, o.settings, gaps, o.max_flip));
   write_reports(o, gaps, sections);
@@ -203,6 +218,11 @@ Verb add_compare(Command& command) {
             "Also a page with the pictures, where they differ and the tables: FILE.html; or a folder for it, for " +
                 std::string(kNumbers) + " and for both pictures as .exr")
       .type("DIR|FILE.html");
+  command
+      .text("--against", o.against,
+            "Judge a picture of the same view by another program, .png, .exr …: moved by whole pixels, its exposure "
+            "matched")
+      .type("FILE");
   add_value(command, "--max-flip", "X", o.max_flip, number_within(0.0f, 1.0f),
             "Exit code 1 where the mean FLIP of a view is above that");
   command.flag("--json", o.json, "For a machine: one JSON object");
@@ -218,7 +238,8 @@ Verb add_compare(Command& command) {
   command.footer(
       "Examples:\n  candela compare helmet.glb\n  candela compare helmet.glb -o gap/ --env sky --ao 0.05\n"
       "  candela compare chair.glb --views front,left,top -o gap.html --max-flip 0.08\n"
-      "  candela compare helmet.glb --shaders my-shaders/ --json\n\n"
+      "  candela compare helmet.glb --shaders my-shaders/ --json\n"
+      "  candela compare helmet.glb --camera 0 --env sky --against screenshot.png -o gap.html\n\n"
       "Both engines see the same, in linear light. FLIP is how different two pictures look when one flips between "
       "them, "
       "0 to 1.\nEach cause is one approximation of the frame in place of its exact counterpart; the shares of all add "

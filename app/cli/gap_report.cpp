@@ -32,7 +32,8 @@ std::string bias_text(vec3 bias) {
 
 std::string name_of(const MaterialGap& m) { return m.name.empty() ? kBackground : one_line(m.name); }
 
-std::string largest_text(const MaterialGap& m) {
+std::string largest_text(const MaterialGap& m, const ViewGap& gap) {
+  if (gap.match) return "";
   return m.largest ? fmt::format("{} {}", gap_cause_info(*m.largest).title, percent_text(m.largest_share))
                    : "the noise";
 }
@@ -40,6 +41,19 @@ std::string largest_text(const MaterialGap& m) {
 std::string summary_of(const ViewGap& gap) {
   return fmt::format("FLIP {:.4f} (the truth's noise: {:.4f}); relative L2 {:.4f}; colour {}", gap.difference.flip,
                      gap.flip_noise, gap.numbers.relative_l2, bias_text(gap.numbers.bias));
+}
+
+/// How another program's picture was laid over the truth, and what nobody can know of it.
+std::string match_text(const GapMatch& m) {
+  std::string text = m.shift == ivec2(0) ? "laid over the truth as it is"
+                                         : fmt::format("moved by {}, {} pixels", -m.shift.x, -m.shift.y);
+  text += m.is_display ? fmt::format(
+                             ", the truth shown with an exposure of {:+.2f} EV; numbers are of what is shown. Not "
+                             "known: its tone curve (--tonemap is taken for it)",
+                             std::log2(m.exposure))
+                       : fmt::format(", multiplied by {:.4g}. Not known:", m.exposure);
+  return text + (m.is_display ? ", the light it was made under, and why it differs"
+                              : " the light it was made under, and why it differs");
 }
 
 std::string suspect_text(const GapSuspect& s) {
@@ -64,6 +78,11 @@ Json view_json(const ViewGap& gap, const std::optional<float>& max_flip) {
   json.update(numbers_json(gap.numbers));
   json["flip_noise"] = gap.flip_noise;
   json["exposure"] = *gap.develop.exposure;
+  if (gap.match) {
+    json["match"] = {{"shift", {gap.match->shift.x, gap.match->shift.y}},
+                     {"exposure", gap.match->exposure},
+                     {"values", gap.match->is_display ? "display" : "linear"}};
+  }
   Json causes = Json::array(), materials = Json::array(), suspects = Json::array();
   for (const CauseGap& c : gap.causes) {
     causes.push_back({{"cause", gap_cause_info(c.cause).name},
@@ -112,6 +131,7 @@ std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
 }
 
 std::string causes_html(const ViewGap& gap) {
+  if (gap.match) return fmt::format("<p>The picture was {}.</p>\n", escaped(match_text(*gap.match)));
   if (gap.causes.empty()) return "<p>The frame differs from the truth by no more than the truth's own noise.</p>\n";
   std::string html = "<h3>Why</h3>\n<div class=\"wide\"><table>\n" +
                      row({"", "share of the squared error", "FLIP without it", "colour", "drawn", "exact"}, "th");
@@ -134,10 +154,10 @@ std::string causes_html(const ViewGap& gap) {
 
 std::string materials_html(const ViewGap& gap) {
   std::string html = "<h3>Materials</h3>\n<div class=\"wide\"><table>\n" +
-                     row({"", "pixels", "FLIP", "relative L2", "colour", "mostly"}, "th");
+                     row({"", "pixels", "FLIP", "relative L2", "colour", gap.match ? "" : "mostly"}, "th");
   for (const MaterialGap& m : gap.materials) {
     html += row({name_of(m), std::to_string(m.numbers.pixels), fmt::format("{:.4f}", m.numbers.flip),
-                 fmt::format("{:.4f}", m.numbers.relative_l2), bias_text(m.numbers.bias), largest_text(m)});
+                 fmt::format("{:.4f}", m.numbers.relative_l2), bias_text(m.numbers.bias), largest_text(m, gap)});
   }
   return html + "</table></div>\n";
 }
@@ -165,18 +185,19 @@ std::string title_of(const ViewGap& gap) {
 std::string gap_text(const ViewGap& gap) {
   std::string text = fmt::format("{}: {}\n", one_line(title_of(gap)), summary_of(gap));
   for (const GapSuspect& s : gap.suspects) text += "  ! " + suspect_text(s) + "\n";
-  if (gap.causes.empty()) return text + "  no difference beyond the noise\n";
-  text += fmt::format("  {:<40} {:>7} {:>13}  {}\n", "why", "share", "FLIP without", "colour");
+  if (gap.match) text += fmt::format("  {}\n", match_text(*gap.match));
+  if (gap.causes.empty() && !gap.match) return text + "  no difference beyond the noise\n";
+  if (!gap.causes.empty()) text += fmt::format("  {:<40} {:>7} {:>13}  {}\n", "why", "share", "FLIP without", "colour");
   for (const CauseGap& c : gap.causes) {
     text += fmt::format("  {:<40} {:>7} {:>13.4f}  {}\n", gap_cause_info(c.cause).title, percent_text(c.share),
                         c.flip_without, bias_text(c.bias));
   }
-  text +=
-      fmt::format("  {:<28} {:>8} {:>7} {:>7}  {:<22} {}\n", "material", "pixels", "FLIP", "L2", "colour", "mostly");
+  text += fmt::format("  {:<28} {:>8} {:>7} {:>7}  {:<22} {}\n", "material", "pixels", "FLIP", "L2", "colour",
+                      gap.match ? "" : "mostly");
   for (std::size_t i = 0; i < std::min(gap.materials.size(), kMaterialsShown); ++i) {
     const MaterialGap& m = gap.materials[i];
     text += fmt::format("  {:<28} {:>8} {:>7.4f} {:>7.4f}  {:<22} {}\n", name_of(m), m.numbers.pixels, m.numbers.flip,
-                        m.numbers.relative_l2, bias_text(m.numbers.bias), largest_text(m));
+                        m.numbers.relative_l2, bias_text(m.numbers.bias), largest_text(m, gap));
   }
   if (gap.materials.size() > kMaterialsShown) {
     text += fmt::format("  and {} more materials\n", gap.materials.size() - kMaterialsShown);
@@ -195,21 +216,26 @@ std::string gap_section(const ViewGap& gap, const std::optional<float>& max_flip
   const bool is_beyond = max_flip && gap.difference.flip > static_cast<double>(*max_flip);
   std::string html = fmt::format("<section{}><h2>{}</h2>\n<p>{}</p>\n", is_beyond ? " class=\"beyond\"" : "",
                                  escaped(title_of(gap)), escaped(summary_of(gap)));
-  html += pair_pictures(gap.difference, "path traced", "real time");
+  html += pair_pictures(gap.difference, "path traced", gap.match ? "the other program's" : "real time");
   for (const GapSuspect& s : gap.suspects) {
     html += fmt::format("<p class=\"suspect\">{}</p>\n", escaped(suspect_text(s)));
   }
   return html + causes_html(gap) + materials_html(gap) + "</section>\n";
 }
 
-std::string gap_page(const std::string& scene, const GapSettings& settings, const std::vector<std::string>& sections) {
+std::string gap_page(const std::string& scene, const std::string& against, const GapSettings& settings,
+                     const std::vector<std::string>& sections) {
   std::string body = kStyle;
-  body += fmt::format(
-      "<p>Path traced with {} samples per pixel, and one frame in real time. Causes are told by the mean of {} frames "
-      "and by what the path tracer finds without each of them.</p>\n",
-      settings.samples, settings.frames);
+  body += against.empty() ? fmt::format(
+                                "<p>Path traced with {} samples per pixel, and one frame in real time. Causes are "
+                                "told by the mean of {} frames and by what the path tracer finds without each "
+                                "of them.</p>\n",
+                                settings.samples, settings.frames)
+                          : fmt::format("<p>Path traced with {} samples per pixel, and {}.</p>\n", settings.samples,
+                                        escaped(against));
   for (const std::string& section : sections) body += section;
-  return pair_page("Gap of " + scene, "How far the real-time frame of " + scene + " is from the truth", body);
+  const std::string what = against.empty() ? "the real-time frame of " + scene : against;
+  return pair_page("Gap of " + scene, "How far " + what + " is from the truth", body);
 }
 
 }  // namespace candela::cli

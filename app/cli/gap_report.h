@@ -16,7 +16,8 @@ std::string gap_json(const std::string& scene, const GapSettings& settings, cons
                      const std::optional<float>& max_flip);
 /// A view's part of the page.
 std::string gap_section(const ViewGap& gap, const std::optional<float>& max_flip);
-/// All of it in one file.
-std::string gap_page(const std::string& scene, const GapSettings& settings, const std::vector<std::string>& sections);
+/// All of it in one file. `against`: the picture of another program, or empty.
+std::string gap_page(const std::string& scene, const std::string& against, const GapSettings& settings,
+                     const std::vector<std::string>& sections);
 
 }  // namespace candela::cli

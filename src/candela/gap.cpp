@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
 #include <utility>
 
 #include "base/error.h"
@@ -16,10 +14,6 @@
 namespace candela {
 
 namespace {
-
-constexpr std::size_t kCauses = kGapCauses.size();
-/// The two independent halves of what is traced.
-constexpr std::size_t kHalves = 2;
 
 std::size_t index_of(GapCause cause) { return static_cast<std::size_t>(cause); }
 
@@ -86,31 +80,8 @@ GapCause kind_of(const Material& m) {
   return m.transmission > 0.0f ? GapCause::glass : GapCause::rest;
 }
 
-/// The material at each pixel's centre, -1 where there is none.
-std::vector<int> materials_seen(const Scene& scene, const Film& film) {
-  std::map<int, int> by_number;
-  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    by_number.emplace(number_of(scene.materials, i), static_cast<int>(i));
-  }
-  const Image& layer = film.layers.at(Layer::material);
-  std::vector<int> seen(layer.pixels.size(), -1);
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    const auto found = by_number.find(static_cast<int>(layer.pixels[i]) - 1);
-    if (found != by_number.end()) seen[i] = found->second;
-  }
-  return seen;
-}
-
-vec3 pixel_of(const Image& image, std::size_t i) {
-  const float* p = image.pixels.data() + i * static_cast<std::size_t>(image.channels);
-  return {p[0], p[1], p[2]};
-}
 /// 0 of a picture that was not made.
 vec3 pixel_or_black(const Image& image, std::size_t i) { return image.empty() ? vec3(0.0f) : pixel_of(image, i); }
-
-double dot(vec3 a, vec3 b) {
-  return static_cast<double>(a.x) * b.x + static_cast<double>(a.y) * b.y + static_cast<double>(a.z) * b.z;
-}
 
 /// One view by both engines, and what comes of it.
 class ViewMeasure {
@@ -146,8 +117,7 @@ class ViewMeasure {
   Film mean_truth() const;
   void find_pixels(const ViewGap& gap);
   vec3 error_of(GapCause cause, const ViewGap& gap, const Half& half, std::size_t i) const;
-  void find_causes(ViewGap& gap, const std::array<std::vector<vec3>, kHalves>& errors);
-  void find_materials(ViewGap& gap, const std::array<std::vector<vec3>, kHalves>& errors);
+  void find_causes(ViewGap& gap, const GapErrors& errors);
   Image frames(raster::Settings settings, const Job& job) const;
 
   GapScene of_;
@@ -159,7 +129,7 @@ class ViewMeasure {
   DrawnParts drawn_;
   std::vector<int> materials_;
   std::vector<GapPixel> pixels_;
-  std::array<std::vector<std::array<vec3, kCauses>>, kHalves> parts_;  ///< of the error of each pixel
+  GapParts parts_;  ///< of the error of each pixel
 };
 
 void ViewMeasure::trace(Steps& steps) {
@@ -226,17 +196,12 @@ Film ViewMeasure::mean_truth() const {
   return mean;
 }
 
-/// Weights and kinds. At the edge of glass a pixel shows glass in part.
+/// At the edge of glass a pixel shows glass in part.
 void ViewMeasure::find_pixels(const ViewGap& gap) {
-  const double grey = 0.18 / static_cast<double>(*gap.develop.exposure);
   const Scene& scene = *of_.scene;
   const int w = gap.truth.width(), h = gap.truth.height();
   materials_ = materials_seen(scene, halves_[0].truth);
-  pixels_.resize(materials_.size());
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    const auto l = static_cast<double>(luminance(pixel_of(gap.truth.beauty, i)));
-    pixels_[i].weight = 1.0 / (3.0 * (l * l + grey * grey));
-  }
+  pixels_ = weighted_pixels(gap.truth.beauty, *gap.develop.exposure);
   std::vector<GapCause> kinds;
   kinds.reserve(scene.materials.size());
   for (const Material& m : scene.materials) kinds.push_back(kind_of(m));
@@ -306,7 +271,7 @@ vec3 ViewMeasure::error_of(GapCause cause, const ViewGap& gap, const Half& half,
 
 /// Shares by covariance: half of the error with one half's noise times half with the other's, whose mean is that
 /// without noise.
-void ViewMeasure::find_causes(ViewGap& gap, const std::array<std::vector<vec3>, kHalves>& errors) {
+void ViewMeasure::find_causes(ViewGap& gap, const GapErrors& errors) {
   std::array<double, kCauses> shares{};
   double all = 0.0, noise = 0.0;
   std::array<dvec3, kCauses> sums{};
@@ -349,63 +314,12 @@ void ViewMeasure::find_causes(ViewGap& gap, const std::array<std::vector<vec3>, 
                    [](const CauseGap& a, const CauseGap& b) { return std::abs(a.share) > std::abs(b.share); });
 }
 
-void ViewMeasure::find_materials(ViewGap& gap, const std::array<std::vector<vec3>, kHalves>& errors) {
-  struct Sums {
-    std::size_t pixels = 0;
-    double flip = 0.0, squares = 0.0, noise = 0.0;
-    dvec3 frame{0.0}, truth{0.0};
-    std::array<double, kCauses> shares{};
-  };
-  std::map<int, Sums> all;
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    for (const int key : {materials_[i], -2}) {  // the latter of the whole
-      Sums& s = all[key];
-      const double w = pixels_[i].weight;
-      ++s.pixels;
-      s.flip += static_cast<double>(gap.difference.error.pixels[i]);
-      s.squares += w * dot(errors[0][i], errors[1][i]);
-      const vec3 between = errors[0][i] - errors[1][i];
-      s.noise += 0.25 * w * dot(between, between);
-      s.frame += dvec3(pixel_of(gap.frame.beauty, i));
-      s.truth += dvec3(pixel_of(gap.truth.beauty, i));
-      for (std::size_t k = 0; k < kCauses; ++k) {
-        s.shares[k] += 0.5 * w * (dot(parts_[0][i][k], errors[1][i]) + dot(parts_[1][i][k], errors[0][i]));
-      }
-    }
-  }
-  const auto numbers = [](const Sums& s) {
-    const auto count = static_cast<double>(s.pixels);
-    return GapNumbers{.pixels = s.pixels,
-                      .flip = s.flip / count,
-                      .relative_l2 = std::sqrt(std::max(s.squares, 0.0) / count),
-                      .bias = vec3((s.frame - s.truth) / glm::max(s.truth, dvec3(1e-30)))};
-  };
-  gap.numbers = numbers(all.at(-2));
-  const std::map<std::uint32_t, std::string> names = matte_names(*of_.scene, MatteKind::material);
-  for (const auto& [material, sums] : all) {
-    if (material == -2) continue;
-    MaterialGap one{.name = {}, .numbers = numbers(sums), .largest = {}};
-    if (material >= 0) {
-      const auto found = names.find(static_cast<std::uint32_t>(material));
-      one.name = found != names.end() ? found->second : fmt::format("material {}", material);
-    }
-    const auto largest = std::max_element(sums.shares.begin(), sums.shares.end());
-    if (sums.squares > 0.2 * sums.noise && sums.squares > 0.0) {
-      one.largest = kGapCauses[static_cast<std::size_t>(largest - sums.shares.begin())].cause;
-      one.largest_share = *largest / sums.squares;
-    }
-    gap.materials.push_back(std::move(one));
-  }
-  std::stable_sort(gap.materials.begin(), gap.materials.end(),
-                   [](const MaterialGap& a, const MaterialGap& b) { return a.numbers.pixels > b.numbers.pixels; });
-}
-
 void ViewMeasure::judge(ViewGap& gap, const Job& job) {
   if (!gap.develop.exposure) gap.develop.exposure = metered_exposure(gap.truth);
   gap.difference = compare_films(gap.truth, gap.frame, gap.develop);
   gap.flip_noise = 0.5 * compare_films(halves_[0].truth, halves_[1].truth, gap.develop).flip;
   find_pixels(gap);
-  std::array<std::vector<vec3>, kHalves> errors;
+  GapErrors errors;
   for (std::size_t h = 0; h < kHalves; ++h) {
     parts_[h].resize(pixels_.size());
     errors[h].resize(pixels_.size());
@@ -417,16 +331,18 @@ void ViewMeasure::judge(ViewGap& gap, const Job& job) {
     }
   }
   find_causes(gap, errors);
-  find_materials(gap, errors);
+  find_numbers(*of_.scene, pixels_, materials_, errors, parts_, gap);
   if (settings_.looks_for_suspects && of_.shot.probes == 0) {
     const auto draw = [&](const raster::Settings& settings) { return frames(settings, {.stop = job.stop}); };
     gap.suspects = find_suspects(of_, pixels_, drawn_, halves_[0].direct, frame_settings_, draw, job);
   }
 }
 
-Shot comparable(Shot shot) {
+}  // namespace
+
+Shot comparable(Shot shot, const GapSettings& settings) {
+  if (settings.samples < 2) throw Error("the truth needs two samples, to know its noise", "--spp");
   path::check_built();
-  raster::check_built();
   if (shot.background != Background::environment || shot.ground || shot.background_color) {
     throw Error("engines are compared before the environment alone", "--background");
   }
@@ -438,13 +354,11 @@ Shot comparable(Shot shot) {
   return shot;
 }
 
-}  // namespace
-
 void measure_gaps(const Shot& wished, const GapSettings& settings, const std::function<void(ViewGap)>& take,
                   const Job& job) {
-  if (settings.samples < 2) throw Error("the truth needs two samples, to know its noise", "--spp");
   if (settings.frames < 1) throw Error("at least one frame is needed", "--frames");
-  const Shot shot = comparable(wished);
+  const Shot shot = comparable(wished, settings);
+  raster::check_built();
   const auto stage = std::make_shared<Stage>();
   Take pictures(shot, job.diagnostics, stage);
   pictures.prepare();

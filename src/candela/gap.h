@@ -100,6 +100,13 @@ struct GapSuspect {
   double explained = 0.0;  ///< share of the squared error of that light that would not be there without it
 };
 
+/// How a picture of another program was laid over the truth.
+struct GapMatch {
+  ivec2 shift{0};           ///< pixels, right and down, that it is away from the truth; its margins were cut off
+  float exposure = 1.0f;    ///< linear: what it was multiplied by; shown: the exposure of the truth that is nearest
+  bool is_display = false;  ///< numbers are of what a display shows, and the tone curve was assumed
+};
+
 /// A frame beside the truth.
 struct ViewGap {
   std::size_t index = 0;
@@ -112,6 +119,7 @@ struct ViewGap {
   std::vector<CauseGap> causes;  ///< those that there are, the largest share first; empty where the error is noise
   std::vector<MaterialGap> materials;  ///< those seen, the most pixels first
   std::vector<GapSuspect> suspects;    ///< the most convincing first
+  std::optional<GapMatch> match;       ///< of another program's picture, of which no causes are known
 };
 
 /// Makes the pictures of a shot by both engines, in linear light, of the same views under the same environment, and
@@ -120,5 +128,11 @@ struct ViewGap {
 /// Take does, Interrupted after a stop.
 void measure_gaps(const Shot& shot, const GapSettings& settings, const std::function<void(ViewGap)>& take,
                   const Job& job = {});
+
+/// How far a picture of the same view by another program is from the truth, overall and by material. It is moved by
+/// whole pixels and its exposure is matched, unless the shot has one for a picture that a display shows (where `shot`
+/// has the tone curve that it was made with). The shot has one view, and the picture's size. What lit it, and what else
+/// its program did, cannot be known. Throws Error as measure_gaps(), and for a picture of another size.
+ViewGap measure_against(const Shot& shot, const GapSettings& settings, const ImageName& picture, const Job& job = {});
 
 }  // namespace candela

@@ -1,13 +1,29 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "candela/gap.h"
 #include "path/direct_light.h"
 
-/// What gap.cpp and gap_suspects.cpp share.
+/// What the files of gap.h share.
 namespace candela {
+
+inline constexpr std::size_t kCauses = kGapCauses.size();
+/// The two independent halves of what is traced.
+inline constexpr std::size_t kHalves = 2;
+
+/// Of each pixel the frame less the truth, of either half, and of that what each cause adds.
+using GapErrors = std::array<std::vector<vec3>, kHalves>;
+using GapParts = std::array<std::vector<std::array<vec3, kCauses>>, kHalves>;
+
+inline vec3 pixel_of(const Image& image, std::size_t i) {
+  const float* p = image.pixels.data() + i * static_cast<std::size_t>(image.channels);
+  return {p[0], p[1], p[2]};
+}
+
+inline double dot(vec3 a, vec3 b) { return glm::dot(dvec3(a), dvec3(b)); }
 
 /// A pixel's weight in squared errors, and whether causes of its material's kind are told apart in it.
 struct GapPixel {
@@ -15,6 +31,17 @@ struct GapPixel {
   GapCause kind = GapCause::rest;  ///< glass or scattering: all its error is that; else rest
   bool is_plain() const { return kind == GapCause::rest; }
 };
+
+/// The shot of the truth. Throws Error for what cannot be compared.
+Shot comparable(Shot shot, const GapSettings& settings);
+
+/// With weights, all plain.
+std::vector<GapPixel> weighted_pixels(const Image& truth, float exposure);
+/// The material at each pixel's centre, -1 where there is none, of a film with Layer::material.
+std::vector<int> materials_seen(const Scene& scene, const Film& film);
+/// Fills in the numbers of the whole and of each material. `parts` is empty where causes are not known.
+void find_numbers(const Scene& scene, const std::vector<GapPixel>& pixels, const std::vector<int>& materials,
+                  const GapErrors& errors, const GapParts& parts, ViewGap& gap);
 
 /// The means of many frames that show parts of the light.
 struct DrawnParts {

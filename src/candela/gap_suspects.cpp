@@ -21,15 +21,6 @@ constexpr double kLeastError = 0.12;
 /// Of the squared error, what an explanation has to account for.
 constexpr double kLeastExplained = 0.65;
 
-double dot(vec3 a, vec3 b) {
-  return static_cast<double>(a.x) * b.x + static_cast<double>(a.y) * b.y + static_cast<double>(a.z) * b.z;
-}
-
-vec3 pixel_of(const Image& image, std::size_t i) {
-  const float* p = image.pixels.data() + i * static_cast<std::size_t>(image.channels);
-  return {p[0], p[1], p[2]};
-}
-
 /// Means of blocks of `step` × `step` pixels.
 Image coarse(const Image& image, int step) {
   Image result(image.width / step, image.height / step, 3);

@@ -7,6 +7,7 @@ import shutil
 
 import candela
 from candela import ROOT
+from test_check import png
 from test_raster import RasterTest
 
 QUICK = ("--spp", "16", "--frames", "4", "-q")
@@ -60,6 +61,51 @@ class Compare(RasterTest):
         self.refuses("compare", *BALLS, "--spp", "1", says="--spp")
         self.refuses("compare", *BALLS, "--background", "transparent", says="--background")
         self.refuses("compare", *BALLS, "--orbit", "1,2", "--views", "front", says="--views|--orbit")
+
+
+class Against(RasterTest):
+    """Pictures of other programs."""
+
+    SCENE = ("demo:row-metallic", "-q")
+
+    def judge(self, picture, *arguments, samples=16):
+        out = self.draws("compare", *self.SCENE, "--against", picture, "--spp", samples, "--json", *arguments).out
+        return json.loads(out)["views"][0]
+
+    def test_the_truth_itself_differs_by_noise_alone(self):
+        self.draws("render", "demo:row-metallic", "--size", "240x48", "--spp", "1024", "--seed", "9", "-q",
+                   "-o", "t.exr", "-o", "t.png")
+        for name, values in (("t.exr", "linear"), ("t.png", "display")):
+            view = self.judge(name, samples=64)
+            self.assertEqual(view["match"]["values"], values)
+            self.assertEqual(view["match"]["shift"], [0, 0])
+            self.assertLess(view["relative_l2"], 0.035, name)
+            self.assertEqual(view["causes"], [])
+            self.assertGreater(len(view["materials"]), 3)
+
+    def test_a_moved_and_brighter_picture_is_laid_over_the_truth(self):
+        for stops in (0, 1):
+            self.draws("render", "demo:row-metallic", "--size", "240x48", "--spp", "64", "--exposure", stops, "-q",
+                       "-o", f"t{stops}.png")
+        plain = self.judge("t0.png")
+        width, height, channels, rows = candela.png_pixels(self.folder / "t1.png")
+        inside = lambda i, count: max(0, min(count - 1, i))
+        texel = lambda x, y: rows[inside(y + 2, height)][channels * inside(x - 5, width):][:3]
+        (self.folder / "m.png").write_bytes(png(width, height, texel))
+        view = self.judge("m.png")
+        self.assertEqual(view["match"]["shift"], [5, -2])
+        self.assertAlmostEqual(view["match"]["exposure"] / plain["match"]["exposure"], 2, delta=0.05)
+        self.assertLess(view["flip"], plain["flip"] + 0.03)
+        self.assertEqual((view["width"], view["height"]), (235, 46))
+        self.assertEqual(self.judge("m.png", "--exposure", "0")["match"]["exposure"], 1)
+
+    def test_what_does_not_fit_is_told(self):
+        self.draws("render", "demo:row-metallic", "--size", "24x16", "--spp", "1", "-o", "t.png", "-q")
+        self.fails("compare", *self.SCENE, "--against", "t.png", "--size", "16x16",
+                   says="t.png: is 24x16 pixels, and the truth 16x16")
+        self.fails("compare", *self.SCENE, "--against", "absent.png", says="absent.png")
+        self.fails("compare", *self.SCENE, "--against", "t.png", "-o", ".", says="t.png")
+        self.fails("compare", *self.SCENE, "--spp", "2", "--against", "t.png", "--views", "front,top", says="one view")
 
 
 class Mistakes(RasterTest):
