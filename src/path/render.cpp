@@ -372,7 +372,7 @@ void Picture::Impl::report(const Job& job) {
     p.seconds = watch_.seconds();
     p.samples_per_pixel = mean_samples();
     const double fresh = p.samples_per_pixel - samples_before_;
-    p.fraction = fresh / std::max(limit_ - settings_.first_sample - samples_before_, 1e-9);
+    p.fraction = fresh / std::max(static_cast<double>(limit_) - settings_.first_sample - samples_before_, 1e-9);
     if (settings_.noise) {
       p.fraction = std::max(p.fraction, static_cast<double>(converged_count_) / static_cast<double>(pixel_count()));
     }
