@@ -14,16 +14,16 @@ candela.Error with one line that says what and where; what is odd is a warning o
 from __future__ import annotations
 
 import os
-import typing
-from collections.abc import Callable, Mapping, Sequence
 
 from candela._candela import (
     Camera,
+    Dataset,
     Environment,
     Error,
     Light,
     Material,
     Mesh,
+    Movie,
     Node,
     Picture,
     PosedCamera,
@@ -33,35 +33,58 @@ from candela._candela import (
     Warning,
     __version__,
     pinhole,
+    run_lengths,
 )
 from candela import _candela
-from candela._recipes import (
-    Bake,
-    Difference,
-    Finding,
-    Law,
-    LayerDifference,
-    Proof,
-    Verdict,
-    bake,
-    check,
-    diff,
-    furnace,
-    furnace_sheet,
-)
 
-if typing.TYPE_CHECKING:
+TYPE_CHECKING = False  # as type checkers know it; typing and dataclasses take longer to import than all the rest
+if TYPE_CHECKING:
+    import typing
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
     import numpy.typing
 
+    from candela._data import SeenObject, seen_objects
+    from candela._recipes import (
+        Bake,
+        Difference,
+        Finding,
+        Law,
+        LayerDifference,
+        Proof,
+        Verdict,
+        bake,
+        check,
+        diff,
+        furnace,
+        furnace_sheet,
+    )
+
+    Path = typing.Union[str, "os.PathLike[str]"]
+    Callback = Callable[[Progress], object]
+
 __all__ = [
-    "Bake", "Camera", "Difference", "Environment", "Error", "Finding", "Framing", "Law", "LayerDifference", "Light",
-    "Material", "Mesh", "Node", "Picture", "PosedCamera", "Progress", "Proof", "Scene", "Texture", "Verdict",
-    "Warning", "__version__", "bake", "check", "diff", "environment", "fit", "furnace", "furnace_sheet",
-    "layer_names", "load", "look_at", "orbit", "pinhole", "read_cameras", "render",
+    "Bake", "Camera", "Dataset", "Difference", "Environment", "Error", "Finding", "Framing", "Law", "LayerDifference",
+    "Light", "Material", "Mesh", "Movie", "Node", "Picture", "PosedCamera", "Progress", "Proof", "Scene", "SeenObject",
+    "Texture", "Verdict", "Warning", "__version__", "bake", "check", "diff", "environment", "fit", "furnace",
+    "furnace_sheet", "layer_names", "load", "look_at", "orbit", "pinhole", "read_cameras", "render", "run_lengths",
+    "seen_objects", "write_cameras",
 ]  # fmt: skip
 
-Path = typing.Union[str, "os.PathLike[str]"]
-Callback = Callable[[Progress], object]
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name):
+        """What is imported when it is first asked for."""
+        if name not in __all__:
+            raise AttributeError(f"module 'candela' has no attribute '{name}'")
+        from candela import _data, _recipes
+
+        value = globals()[name] = getattr(_data if hasattr(_data, name) else _recipes, name)
+        return value
+
+    def __dir__():
+        return sorted({*globals(), *__all__})
 
 
 def load(source: Path | bytes | bytearray | memoryview, *, variant: str = "", scene: str = "", animation: str | None = None,
@@ -132,11 +155,21 @@ def read_cameras(path: Path, size: tuple[int, int] = (1280, 720)) -> list[PosedC
     return _candela.read_cameras(os.fspath(path), size)
 
 
+def write_cameras(path: Path, cameras: Sequence[PosedCamera], *, files: Sequence[Path] | None = None) -> None:
+    """Writes cameras, all of one size, as other programs read them.
+
+    path: a name that begins with "transforms" and ends in .json is written as NeRFs have it, any other .json as a list of K
+    and world_from_camera, .gltf as a scene. files: the picture of each, `file_path` of a transforms.json. Raises Error.
+    """
+    _candela.write_cameras(os.fspath(path), list(cameras), None if files is None else [os.fspath(name) for name in files])
+
+
 def _text(value: object) -> str:
     if isinstance(value, str):
         return value
     if hasattr(value, "__iter__"):
-        return ",".join(_text(item) for item in typing.cast("typing.Iterable[object]", value))
+        items: Iterable[object] = value
+        return ",".join(_text(item) for item in items)
     if hasattr(value, "item"):
         value = value.item()
     return repr(value)
@@ -164,6 +197,7 @@ def render(
     noise: float | None = None,
     engine: str = "path",
     layers: Sequence[str] = (),
+    objects: bool = False,
     denoise: bool | str | None = None,
     quality: str | None = None,
     environment: Environment | Path | numpy.typing.ArrayLike | None = None,
@@ -187,6 +221,7 @@ def render(
         (white), is estimated below this.
     engine: "path", the path tracer; "raster", OpenGL, a frame in a moment.
     layers: some of layer_names(), beside "beauty".
+    objects: whether it shall know where its objects are, for Dataset and seen_objects(); it has "instance" and "depth" then.
     denoise: True, "regression" or "oidn"; False also where quality would. quality: "draft", "good" or "final" in place of spp, noise and denoise.
     environment: as of environment(); None: Scene.environment, else what the file asks for, else a studio.
     background: "env", "transparent", or a colour: "#rrggbb" (sRGB) or three linear numbers.
@@ -227,7 +262,7 @@ def render(
         given["environment_intensity"] = environment_intensity
     if threads:
         given["threads"] = threads
-    return _candela.render(scene, _arguments(given), posed, light, progress)
+    return _candela.render(scene, _arguments(given), posed, light, objects, progress)
 
 
 def layer_names() -> list[str]:

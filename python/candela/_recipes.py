@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-import tempfile
 import typing
 from collections.abc import Callable, Mapping
 
@@ -196,6 +195,8 @@ def diff(
 def _diff_in_memory(pictures: Mapping[str, object], exposure: str | float | None, tone_curve: str,
                     tolerance: float) -> dict[str, typing.Any]:  # fmt: skip
     """By way of OpenEXR files, which hold them as they are."""
+    import tempfile
+
     with tempfile.TemporaryDirectory() as folder:
         for name, picture in pictures.items():
             if isinstance(picture, Picture):

@@ -122,17 +122,28 @@ Floats read_floats(nb::handle source, const std::string& name, const Shape& shap
   return result;
 }
 
+Bits read_bits(nb::handle source, const std::string& name) {
+  const auto array = nb::cast<Numbers<bool>>(numpy_array(source, name, "b", "bool", "bool"));
+  require_shape(array, name, {-1, -1});
+  return {ivec2(static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0))),
+          std::vector<bool>(array.data(), array.data() + array.size())};
+}
+
 std::vector<uvec3> read_triangles(nb::handle source, const std::string& name, std::size_t count) {
-  const auto array = nb::cast<Numbers<std::int64_t>>(numpy_array(source, name, "iu", "int64", "whole numbers"));
+  const nb::object given = numpy_array(source, name, "iu", "", "whole numbers");
+  const auto array = nb::cast<Numbers<std::int64_t>>(given.attr("astype")("int64"));
   require_shape(array, name, {-1, 3});
+  // Of numbers without a sign those above the largest one with a sign come out negative.
+  const nb::object type_of_numbers = given.attr("dtype");
+  const bool is_unsigned = nb::cast<std::string>(type_of_numbers.attr("kind")) == "u";
   std::vector<uvec3> triangles(array.shape(0));
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       const std::int64_t index = array.data()[3 * i + static_cast<std::size_t>(k)];
       if (index < 0 || static_cast<std::size_t>(index) >= count) {
-        throw Error(
-            "row " + std::to_string(i) + " names the vertex " + std::to_string(index) + " of " + std::to_string(count),
-            name);
+        const std::string number =
+            is_unsigned ? std::to_string(static_cast<std::uint64_t>(index)) : std::to_string(index);
+        throw Error("row " + std::to_string(i) + " names the vertex " + number + " of " + std::to_string(count), name);
       }
       triangles[i][k] = static_cast<std::uint32_t>(index);
     }

@@ -32,6 +32,13 @@ struct Floats {
 /// Whatever numpy can make an array of finite numbers of.
 Floats read_floats(nb::handle source, const std::string& name, const Shape& shape);
 
+/// An array (h, w) of bool, by rows.
+struct Bits {
+  ivec2 size{0};  ///< width, height
+  std::vector<bool> values;
+};
+Bits read_bits(nb::handle source, const std::string& name);
+
 /// Triples of indices below `count`.
 std::vector<uvec3> read_triangles(nb::handle source, const std::string& name, std::size_t count);
 

@@ -121,6 +121,13 @@ void run_in_background(const nb::object& progress, const std::function<void(cons
   if (state.error) std::rethrow_exception(state.error);
 }
 
+void run_without_lock(const std::function<void()>& work) {
+  Work state;
+  const Registered registered(state);  // and gone only when the lock is held again
+  const nb::gil_scoped_release released;
+  work();
+}
+
 void stop_all_background() {
   Running& all = running();
   all.is_ending = true;

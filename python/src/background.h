@@ -16,6 +16,10 @@ namespace nb = nanobind;
 /// process that was forked from one which has worked already.
 void run_in_background(const nb::object& progress, const std::function<void(const Job& job)>& work);
 
+/// Does `work`, which takes no longer than a moment, here and without Python's lock; Python does not end before. Throws
+/// as run_in_background().
+void run_without_lock(const std::function<void()>& work);
+
 /// Stops whatever runs, and waits for it. Nothing is begun after that.
 void stop_all_background();
 

@@ -13,6 +13,7 @@
 #include "candela/candela.h"
 #include "cli/program.h"
 #include "cli/values.h"
+#include "files.h"
 #include "picture.h"
 #include "recipes.h"
 #include "render.h"
@@ -80,6 +81,7 @@ NB_MODULE(_candela, module) {
   bind_scene(module);
   bind_render(module);
   bind_recipes(module);
+  bind_files(module);
   module.attr("__version__") = version();
   module.def("run_program", &cli::run_program, nb::arg("arguments"), nb::call_guard<nb::gil_scoped_release>());
   // Threads that render cannot outlive Python, nor can what they draw with.

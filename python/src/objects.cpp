@@ -136,7 +136,7 @@ int add_plain_material(const SharedScene& scene) {
   material.name = kName;
   material.base_color = vec3(0.8f);
   material.metallic = 0.0f;
-  Scene& changed = scene->live.change(Change::all);
+  Scene& changed = scene->live.change(Change::materials);
   changed.materials.push_back(std::move(material));
   return static_cast<int>(changed.materials.size() - 1);
 }
@@ -311,7 +311,7 @@ TextureRef add_texture(const SharedScene& scene, nb::handle source, const std::s
   texture.filter = row_named(kFilters, filter, "filter: unknown").filter;
   auto image = std::make_shared<TextureImage>(
       is_path(source) ? decode_texture(read_file(path_of(source)), path_of(source)) : read_texture(source, "texture"));
-  Scene& changed = scene->live.change(Change::all);
+  Scene& changed = scene->live.change(Change::materials);
   changed.images.push_back(std::move(image));
   if (!changed.image_file_indices.empty()) {
     changed.image_file_indices.push_back(static_cast<int>(changed.images.size()) - 1);

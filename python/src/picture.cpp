@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "arrays.h"
+#include "background.h"
 #include "base/error.h"
 #include "cli/values.h"
 #include "image/develop.h"
@@ -93,7 +94,8 @@ nb::object layer_of(const PictureOf& picture, const std::string& name) {
   throw nb::key_error(("the picture has no \"" + name + "\"; it has: " + known).c_str());
 }
 
-/// How the picture is shown: as it was asked for, unless it is said otherwise here.
+}  // namespace
+
 DevelopSettings develop_settings(const PictureOf& picture, const nb::object& exposure, const nb::object& tone_curve,
                                  const nb::object& bloom, const nb::object& background) {
   DevelopSettings settings = picture.live->taken.develop;
@@ -108,9 +110,12 @@ DevelopSettings develop_settings(const PictureOf& picture, const nb::object& exp
 }
 
 DisplayImage developed(const PictureOf& picture, const DevelopSettings& settings) {
-  const nb::gil_scoped_release released;
-  return develop(film_of(picture), settings);
+  DisplayImage image;
+  run_without_lock([&] { image = develop(film_of(picture), settings); });
+  return image;
 }
+
+namespace {
 
 nb::bytes png_of(const PictureOf& picture) {
   const DisplayImage shown = developed(picture, picture.live->taken.develop);
@@ -245,8 +250,7 @@ void bind_picture(nb::module_& module) {
             const std::filesystem::path to = path_of(path);
             check_output_extension(to);
             const DevelopSettings settings = develop_settings(p, exposure, tone_curve, bloom, background);
-            const nb::gil_scoped_release released;
-            write_film(to, film_of(p), settings);
+            run_without_lock([&] { write_film(to, film_of(p), settings); });
           },
           nb::arg("path"), nb::kw_only(), nb::arg("exposure") = nb::none(), nb::arg("tone_curve") = nb::none(),
           nb::arg("bloom") = nb::none(), nb::arg("background") = nb::none(),
@@ -266,8 +270,7 @@ void bind_picture(nb::module_& module) {
              const nb::object& bloom, const nb::object& background) {
             const std::filesystem::path to = path_of(path);
             const DisplayImage image = developed(p, develop_settings(p, exposure, tone_curve, bloom, background));
-            const nb::gil_scoped_release released;
-            write_png(to, image);
+            run_without_lock([&] { write_png(to, image); });
           },
           nb::arg("path"), nb::kw_only(), nb::arg("exposure") = nb::none(), nb::arg("tone_curve") = nb::none(),
           nb::arg("bloom") = nb::none(), nb::arg("background") = nb::none(),

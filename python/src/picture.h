@@ -7,6 +7,7 @@
 #include <string>
 
 #include "candela/live_scene.h"
+#include "image/develop.h"
 #include "scene/posed_camera.h"
 
 namespace candela::python {
@@ -25,6 +26,11 @@ struct PictureOf {
   std::shared_ptr<LivePicture> live;
   ivec2 size;
 };
+
+/// How the picture is shown: as it was asked for, unless it is said otherwise here; None = not.
+DevelopSettings develop_settings(const PictureOf& picture, const nb::object& exposure, const nb::object& tone_curve,
+                                 const nb::object& bloom, const nb::object& background);
+DisplayImage developed(const PictureOf& picture, const DevelopSettings& settings);
 
 void bind_picture(nb::module_& module);
 

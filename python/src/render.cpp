@@ -77,7 +77,7 @@ cli::RenderOptions read_options(std::vector<std::string> arguments) {
 
 PictureOf render(const SharedScene& scene, const std::vector<std::string>& arguments,
                  const std::optional<CameraAt>& camera, const std::optional<EnvironmentOf>& environment,
-                 const nb::object& progress) {
+                 bool knows_objects, const nb::object& progress) {
   cli::RenderOptions options = read_options(arguments);
   Shot& shot = options.shot;
   std::shared_ptr<const Environment> light;
@@ -98,6 +98,10 @@ PictureOf render(const SharedScene& scene, const std::vector<std::string>& argum
                   "size");
     }
   }
+  if (knows_objects) {
+    shot.has_masks = true;
+    shot.layers.insert({Layer::instance, Layer::depth});
+  }
   require_memory(picture_bytes(shot), available_memory(), "the picture", "size");
   if (shot.has_many_pictures()) throw Error("one picture at a time", "camera");
   const ivec2 size = shot.size;
@@ -117,9 +121,9 @@ PictureOf render(const SharedScene& scene, const std::vector<std::string>& argum
 void bind_render(nb::module_& module) {
   module.def(
       "render", &render, nb::arg("scene"), nb::arg("arguments"), nb::arg("camera").none(),
-      nb::arg("environment").none(), nb::arg("progress").none(),
+      nb::arg("environment").none(), nb::arg("objects"), nb::arg("progress").none(),
       nb::sig("def render(scene: Scene, arguments: list[str], camera: PosedCamera | None, environment: Environment "
-              "| None, progress: collections.abc.Callable[[Progress], object] | None) -> Picture"));
+              "| None, objects: bool, progress: collections.abc.Callable[[Progress], object] | None) -> Picture"));
   nb::dict spellings;
   for (const Spelling& row : kSpellings) {
     spellings[nb::str(row.keyword.data(), row.keyword.size())] = nb::str(row.option.data(), row.option.size());

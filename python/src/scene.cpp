@@ -253,7 +253,7 @@ void bind_scene_class(nb::module_& module) {
             material.name = name;
             material.metallic = 0.0f;
             set_properties(s, material, properties);
-            Scene& changed = s->live.change(Change::all);
+            Scene& changed = s->live.change(Change::materials);
             changed.materials.push_back(std::move(material));
             return MaterialRef{s, changed.materials.size() - 1};
           },

@@ -48,7 +48,7 @@ using LightRef = Ref<4>;
 using CameraRef = Ref<5>;
 
 inline const Material& get(const MaterialRef& ref) { return ref.scene->live.scene().materials[ref.index]; }
-inline Material& edit(const MaterialRef& ref) { return ref.scene->live.change(Change::all).materials[ref.index]; }
+inline Material& edit(const MaterialRef& ref) { return ref.scene->live.change(Change::materials).materials[ref.index]; }
 
 /// A texture of the scene that stands for whatever was given: a Texture, a file, an array.
 int texture_of(const SharedScene& scene, nb::handle source, const std::string& name);

@@ -2,43 +2,19 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "candela/dataset.h"
+#include "candela/instance_view.h"
 
 // What data sets of several kinds have in common. Private to this folder.
 namespace candela {
 
 using Json = nlohmann::ordered_json;
-
-/// A set of pixels, by rows from the top.
-struct PixelMask {
-  ivec2 size{0};
-  std::vector<bool> bits;
-
-  bool at(int x, int y) const {
-    return bits[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.x) + static_cast<std::size_t>(x)];
-  }
-};
-std::size_t count(const PixelMask& mask);
-/// x, y, width, height; nothing of an empty one.
-std::optional<std::array<int, 4>> box_of(const PixelMask& mask);
-
-/// What a picture has of an instance.
-struct InstanceView {
-  const Instance* instance = nullptr;
-  PixelMask visible;
-  PixelMask amodal;
-};
-/// Visits those that are in the frame, hidden or not, one after the other: there may be thousands.
-void for_instances(const TakenPicture& picture, const std::vector<Instance>& instances,
-                   const std::function<void(const InstanceView&)>& visit);
 
 /// Into a folder that is made for it.
 void write_made(const std::filesystem::path& path, std::span<const std::byte> bytes);

@@ -31,6 +31,13 @@ std::string state_of_file(const fs::path& path) {
   return fmt::format("{} {}", time.time_since_epoch().count(), fs::file_size(path, code));
 }
 
+/// A scene that no change touches while this is held.
+std::shared_ptr<const Scene> held(std::shared_ptr<const Scene> scene, std::shared_ptr<const int> is_in_use) {
+  using Both = std::pair<std::shared_ptr<const Scene>, std::shared_ptr<const int>>;
+  const auto both = std::make_shared<Both>(std::move(scene), std::move(is_in_use));
+  return {both, both->first.get()};
+}
+
 bool are_same(const std::optional<Ground>& a, const std::optional<Ground>& b) {
   if (!a || !b) return a.has_value() == b.has_value();
   return a->height == b->height && a->color == b->color && a->mirror == b->mirror;
@@ -60,10 +67,11 @@ DrawingThread& LiveStage::drawing() {
   return *drawing_;
 }
 
-/// What an engine was given. A scene is changed in place, so its counts of changes tell one state from another.
+/// What an engine was given. A scene is changed in place, or as a copy that another picture is begun of, so its counts
+/// of changes tell one state from another.
 struct LiveScene::Prepared {
   std::shared_ptr<const Scene> scene;
-  std::uint64_t shapes = 0, lamps = 0;
+  std::uint64_t shapes = 0, materials = 0, lamps = 0;
   std::shared_ptr<const Environment> environment;
   float rotation = 0.0f, intensity = 1.0f;
   std::string shading;
@@ -73,9 +81,9 @@ struct LiveScene::Prepared {
     return environment == other.environment && rotation == other.rotation && intensity == other.intensity;
   }
   bool has_same_light(const Prepared& other) const { return has_same_environment(other) && shading == other.shading; }
-  bool has_same_shapes(const Prepared& other) const { return scene == other.scene && shapes == other.shapes; }
   bool is_same(const Prepared& other) const {
-    return has_same_light(other) && has_same_shapes(other) && lamps == other.lamps && probes == other.probes;
+    return has_same_light(other) && shapes == other.shapes && materials == other.materials && lamps == other.lamps &&
+           probes == other.probes;
   }
 };
 
@@ -115,14 +123,16 @@ path::Tracer LiveScene::Engines::tracer_of(const Prepared& wanted, const Environ
   if (tracer != nullptr && traced.is_same(wanted)) return *tracer;
   const StopScope scope(job.stop);
   const Stopwatch watch;
-  const bool keeps_shapes = tracer != nullptr && traced.has_same_shapes(wanted) && traced.shading == wanted.shading;
+  const bool keeps_shapes = tracer != nullptr && traced.shapes == wanted.shapes && traced.shading == wanted.shading;
   if (far_light == nullptr || !traced.has_same_environment(wanted)) {
     far_light.reset();  // before there is another
     far_light = std::make_shared<const path::FarLight>(lit);
   }
-  if (keeps_shapes) {
+  const bool keeps_materials = traced.materials == wanted.materials;
+  traced = {};  // until there is a tracer of all that is wanted
+  if (keeps_shapes && keeps_materials) {
     tracer = std::make_unique<path::Tracer>(*tracer, wanted.scene, *far_light);
-  } else {
+  } else if (!keeps_shapes || !tracer->take_materials(wanted.scene, *far_light, shading)) {
     tracer.reset();
     tracer = std::make_unique<path::Tracer>(wanted.scene, *far_light, shading);
   }
@@ -178,15 +188,12 @@ Scene& LiveScene::change(Change what) {
   }
   std::atomic_thread_fence(std::memory_order_acquire);  // the last one has read it
   if (what == Change::lamps) ++lamps_;
+  if (what == Change::materials) ++materials_;
   if (what == Change::all) ++shapes_;
   return *scene_;
 }
 
-std::shared_ptr<const Scene> LiveScene::snapshot() const {
-  const auto held =
-      std::make_shared<std::pair<std::shared_ptr<const Scene>, std::shared_ptr<const int>>>(scene_, is_in_use_);
-  return {held, held->first.get()};
-}
+std::shared_ptr<const Scene> LiveScene::snapshot() const { return held(scene_, is_in_use_); }
 
 Mesh& LiveScene::change_mesh(std::size_t mesh) {
   Mesh& changed = change(Change::all).meshes[mesh];
@@ -224,7 +231,7 @@ void complete_primitive(const Material& material, Primitive& primitive) {
 
 /// Gives every mesh what its materials read of its vertices and it has not, as the readers of files do.
 void LiveScene::complete() {
-  if (completed_ == shapes_) return;
+  if (completed_ == shapes_ + materials_) return;
   for (std::size_t m = 0; m < scene_->meshes.size(); ++m) {
     for (std::size_t p = 0; p < scene_->meshes[m].primitives.size(); ++p) {
       const Primitive& primitive = std::as_const(*scene_).meshes[m].primitives[p];
@@ -233,7 +240,7 @@ void LiveScene::complete() {
       complete_primitive(material, change_mesh(m).primitives[p]);
     }
   }
-  completed_ = shapes_;
+  completed_ = shapes_ + materials_;
 }
 
 LiveScene::Moment LiveScene::begin(Shot shot) {
@@ -246,6 +253,7 @@ LiveScene::Moment LiveScene::begin(Shot shot) {
   moment.scene_ = scene_;
   moment.is_in_use_ = is_in_use_;
   moment.shapes_ = shapes_;
+  moment.materials_ = materials_;
   moment.lamps_ = lamps_;
   moment.stage_ = stage_;
   moment.engines_ = engines_;
@@ -353,6 +361,7 @@ LivePicture LiveScene::Moment::render(const std::shared_ptr<const Environment>& 
   const bool is_denoised = is_traced && shot.denoiser.has_value();
   const Prepared wanted{scene_,
                         shapes_,
+                        materials_,
                         lamps_,
                         base,
                         shot_.environment_rotation,
@@ -365,6 +374,9 @@ LivePicture LiveScene::Moment::render(const std::shared_ptr<const Environment>& 
   if (is_denoised) take_noise_out(*shot.denoiser, picture.taken, job, warn);
   complete(picture, diagnostics);
   picture.taken.develop = develop;
+  picture.taken.view = picture.view;
+  if (shot_.has_masks) picture.taken.scene = held(scene_, is_in_use_);
+  picture.taken_of = engines_;
   const double samples = is_traced ? picture.taken.traced.mean_samples_per_pixel : picture.taken.drawn.frames;
   shot.scene = scene_->name;
   picture.taken.film.metadata.merge(picture_metadata(shot, lit, camera, samples, picture.taken.is_denoised));

@@ -34,15 +34,19 @@ class LiveStage {
 
 /// What a change of a scene touches.
 enum class Change {
-  cameras,  ///< cameras, the nodes that hold nothing else, and names: nothing that is prepared
-  lamps,    ///< lamps, and the nodes that hold nothing else
+  cameras,    ///< cameras, the nodes that hold nothing else, and names: nothing that is prepared
+  lamps,      ///< lamps, and the nodes that hold nothing else
+  materials,  ///< materials and textures
   all
 };
 
-/// A picture of a live scene.
+/// A picture of a live scene. TakenPicture::scene is there where the shot has masks: as it stands in the picture, so
+/// that the next change copies the scene as long as that is held.
 struct LivePicture {
   TakenPicture taken;
   View view;  ///< that it was taken through
+  /// The same for pictures of one LiveScene.
+  std::weak_ptr<const void> taken_of = {};
 };
 
 /// A scene in memory that is changed and shown again. What an engine has made of it serves the next picture as far as
@@ -85,7 +89,7 @@ class LiveScene {
     Shot shot_;
     std::shared_ptr<const Scene> scene_;
     std::shared_ptr<const int> is_in_use_;
-    std::uint64_t shapes_ = 0, lamps_ = 0;
+    std::uint64_t shapes_ = 0, materials_ = 0, lamps_ = 0;
     std::shared_ptr<LiveStage> stage_;
     std::shared_ptr<Engines> engines_;
   };
@@ -98,9 +102,9 @@ class LiveScene {
 
   std::shared_ptr<Scene> scene_;
   std::shared_ptr<LiveStage> stage_;
-  std::shared_ptr<const int> is_in_use_;  ///< shared with moments of scene_
-  std::uint64_t shapes_ = 1, lamps_ = 1;  ///< grow with every change
-  std::uint64_t completed_ = 0;           ///< shapes_ for which every mesh has what is read of it
+  std::shared_ptr<const int> is_in_use_;                  ///< shared with moments of scene_
+  std::uint64_t shapes_ = 1, materials_ = 1, lamps_ = 1;  ///< grow with every change
+  std::uint64_t completed_ = 0;  ///< shapes_ + materials_ for which every mesh has what is read of it
   std::shared_ptr<Engines> engines_;
 };
 

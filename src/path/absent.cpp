@@ -24,6 +24,9 @@ Tracer::Tracer(std::shared_ptr<const Scene>, const FarLight&, const shade::Shadi
 Tracer::Tracer(std::shared_ptr<const Scene>, const Environment&, const shade::ShadingModel&) { refuse(); }
 Tracer::Tracer(Scene, const Environment&, const shade::ShadingModel&) { refuse(); }
 Tracer::Tracer(const Tracer&, std::shared_ptr<const Scene>, const FarLight&) { refuse(); }
+bool Tracer::take_materials(const std::shared_ptr<const Scene>&, const FarLight&, const shade::ShadingModel&) {
+  refuse();
+}
 Film Tracer::render(const View&, const Settings&, const Job&, Statistics*) const { refuse(); }
 const Scene& Tracer::scene() const { refuse(); }
 double Tracer::build_s() const { refuse(); }

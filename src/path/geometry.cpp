@@ -356,12 +356,8 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
   rtcSetSceneBuildQuality(impl_->scene.get(), RTC_BUILD_QUALITY_MEDIUM);
   rtcSetSceneFlags(impl_->scene.get(), kFilterByQuery);
 
-  materials_.reserve(scene.materials.size() + 1);  // and the ground's: meshes point to them
-  for (const Material& material : scene.materials) {
-    materials_.emplace_back(scene, material, model);
-    has_media_ = has_media_ || materials_.back().has_medium;
-    has_blends_ = has_blends_ || material.alpha_mode == AlphaMode::blend;
-  }
+  for (const Material& material : scene.materials) materials_.emplace_back(scene, material, model);
+  find_kinds();
 
   // Colours differ from node to node; opacity, which rays ask for without knowing the node, is the mesh's.
   const auto key_of = [](const Node& node) { return std::pair(node.mesh, node.color.w); };
@@ -446,6 +442,40 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     bounds_ = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
     if (scene.ground) bounds_ = world_bounds(scene);
   }
+}
+
+void Geometry::find_kinds() {
+  has_media_ = has_blends_ = false;
+  for (const MaterialData& material : materials_) {
+    has_media_ = has_media_ || material.has_medium;
+    has_blends_ = has_blends_ || material.factors.alpha_mode == AlphaMode::blend;
+  }
+}
+
+namespace {
+
+/// Whether what is built of meshes of one material serves those of the other.
+bool are_built_alike(const MaterialData& a, const MaterialData& b) {
+  return a.needs_opacity == b.needs_opacity && a.is_clear_sheet == b.is_clear_sheet && a.has_medium == b.has_medium &&
+         a.needs_tangents == b.needs_tangents && !a.texture<&Material::height_texture>() &&
+         !b.texture<&Material::height_texture>();
+}
+
+}  // namespace
+
+bool Geometry::set_materials(const Scene& scene, const shade::ShadingModel& model) {
+  const std::size_t count = materials_.size() - (ground_ ? 1 : 0);
+  if (scene.materials.size() < count || (ground_ && scene.materials.size() > count)) return false;
+  std::vector<MaterialData> made;
+  for (const Material& material : scene.materials) made.emplace_back(scene, material, model);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(scene.materials[i] == materials_[i].factors) && !are_built_alike(made[i], materials_[i])) return false;
+  }
+  for (std::size_t i = count; i < made.size(); ++i) materials_.push_back(made[i]);
+  std::copy_n(made.begin(), count, materials_.begin());
+  find_kinds();
+  for (Placement& placement : placements_) placement.first_light = -1;
+  return true;
 }
 
 void Geometry::add_ground(const Scene& scene, const shade::ShadingModel& model, unsigned id) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -135,6 +136,10 @@ class Geometry {
   Geometry(const Geometry&) = delete;
   Geometry& operator=(const Geometry&) = delete;
 
+  /// Gives it the materials of a scene that is otherwise the same. False, and nothing has changed, where what is built
+  /// depends on what is different: relief, bodies, tangents, what rays may pass. No ray may be under way.
+  bool set_materials(const Scene& scene, const shade::ShadingModel& model);
+
   /// Closest hit. Alpha is a stochastic decision per surface, drawn from `seed`: accepted hits are opaque.
   Hit intersect(const Ray& ray, std::uint32_t seed) const;
   void intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize]) const;
@@ -177,12 +182,13 @@ class Geometry {
  private:
   struct Impl;
   struct Query;
+  void find_kinds();
   void add_ground(const Scene& scene, const shade::ShadingModel& model, unsigned id);
   Hit intersect(const Ray& ray, Query& query) const;
   std::vector<Hit> collect(const Ray& ray, Query& query) const;
 
   std::unique_ptr<Impl> impl_;
-  std::vector<MaterialData> materials_;
+  std::deque<MaterialData> materials_;  ///< meshes point to them
   std::vector<std::unique_ptr<MeshData>> meshes_;
   std::vector<Placement> placements_;
   Box3 bounds_;

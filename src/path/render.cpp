@@ -591,6 +591,15 @@ double Tracer::build_s() const { return parts_->build_s; }
 Tracer::Tracer(const Tracer& before, std::shared_ptr<const Scene> scene, const FarLight& light)
     : parts_(std::make_shared<Parts>(*before.parts_, std::move(scene), light.prepared_)) {}
 
+bool Tracer::take_materials(const std::shared_ptr<const Scene>& scene, const FarLight& light,
+                            const shade::ShadingModel& shading) {
+  if (parts_.use_count() != 1 || parts_->shared_geometry.use_count() != 1) return false;
+  std::atomic_thread_fence(std::memory_order_acquire);  // the last picture has read it
+  if (!parts_->shared_geometry->set_materials(Parts::checked(scene), shading)) return false;
+  parts_ = std::make_shared<const Parts>(*parts_, scene, light.prepared_);
+  return true;
+}
+
 Film Tracer::render(const View& view, const Settings& settings, const Job& job, Statistics* statistics) const {
   Picture picture(*this, view, settings);
   picture.trace(settings.samples, job);

@@ -124,6 +124,11 @@ class Tracer {
   /// The scene of `before`, or one with the same meshes, materials, textures, ground and nodes that hold meshes, under
   /// other light: what was built of these serves again. `before` may render meanwhile.
   Tracer(const Tracer& before, std::shared_ptr<const Scene> scene, const FarLight& light);
+  /// Goes on with a scene that has other materials, textures and lights, and is otherwise the same, under other light.
+  /// False, and nothing has changed, where what was built depends on what is different, or a picture of it is being
+  /// made. Throws Error as the constructors.
+  bool take_materials(const std::shared_ptr<const Scene>& scene, const FarLight& light,
+                      const shade::ShadingModel& shading);
 
   /// The picture of a view. The result depends only on the arguments, never on the number of threads (with a time limit
   /// it depends on how many passes fitted). Throws Error for invalid settings and views.

@@ -75,7 +75,7 @@ Image turned_panorama(const Image& map, const quat& world_from_map) {
 
 void check_panorama(const Image& image, const std::string& where) {
   // A few pixels more or less come from resizing; anything else is no full panorama.
-  if (std::abs(static_cast<float>(image.width) / static_cast<float>(image.height) - 2.0f) > 0.05f)
+  if (!(std::abs(static_cast<float>(image.width) / static_cast<float>(image.height) - 2.0f) <= 0.05f))
     throw Error("an equirectangular environment is twice as wide as high, this image is " +
                     std::to_string(image.width) + "x" + std::to_string(image.height),
                 where);

@@ -49,6 +49,9 @@ class Bakes(Case):
         scene.environment = "furnace"
         baked = candela.bake(scene, size=8, levels=2, irradiance_size=4, position=(0, 0, 1), samples=16)
         self.assertLess(baked.levels[0][5].mean(), baked.levels[0][4].mean())  # the square is towards -z
+        dark = candela.bake(scene, size=8, levels=2, irradiance_size=4, position=(0, 0, 1), samples=16,
+                            environment=numpy.zeros((4, 8, 3)))  # fmt: skip
+        self.assertEqual(dark.levels[0][4].max(), 0.0)  # in place of the scene's own, and nothing is towards +z
 
     def test_orders_are_refused(self):
         self.refuses("texels", candela.bake, "furnace", size=0)
@@ -99,9 +102,15 @@ class Program(Case):
         with tempfile.TemporaryDirectory() as folder:
             self.assertEqual(run("render", "no/such.glb", "-o", os.path.join(folder, "a.png")).returncode, 1)
 
-    def test_import_needs_no_numpy(self):
-        ran = run_python("import sys, candela; print('numpy' in sys.modules)")
-        self.assertEqual(ran.stdout.strip(), "False", ran.stderr)
+    def test_import_takes_no_more_than_it_needs(self):
+        ran = run_python("import sys, candela; print({'numpy', 'typing', 'dataclasses', 'json', 'tempfile'} & set(sys.modules))")
+        self.assertEqual(ran.stdout.strip(), "set()", ran.stderr)
+
+    def test_all_names_are_there(self):
+        ran = run_python("import candela; print(all(getattr(candela, n) for n in candela.__all__), dir(candela).count('check'))")
+        self.assertEqual(ran.stdout.strip(), "True 1", ran.stderr)
+        with self.assertRaises(AttributeError):
+            candela.nothing
 
 
 @unittest.skipUnless(importlib.util.find_spec("mypy"), "mypy is not installed")

@@ -45,6 +45,18 @@ class Pictures(Case):
             far = picture["distance"].ravel()[hit]
             numpy.testing.assert_allclose(numpy.linalg.norm(seen[hit], axis=1), far, rtol=1e-4)
 
+    def test_framings_look_from_where_they_say(self):
+        for camera, eye, forwards in (
+            (candela.look_at((0.3, 0.5, 4.0), (0.3, 0.5, 0)), (0.3, 0.5, 4.0), (0, 0, -1)),
+            (candela.fit("left"), None, (1, 0, 0)),
+            (candela.fit("top"), None, (0, -1, 0)),
+            (candela.orbit(90, 0), None, (-1, 0, 0)),
+        ):
+            pose = draw(small_scene(), camera=camera, spp=1).camera.world_from_camera
+            numpy.testing.assert_allclose(pose[:3, 2], forwards, atol=1e-5)
+            if eye:
+                numpy.testing.assert_allclose(pose[:3, 3], eye, atol=1e-5)
+
     def test_camera_of_a_picture_takes_the_same_picture(self):
         scene = small_scene()
         picture = draw(scene, camera=candela.fit("front"), layers=["depth"])

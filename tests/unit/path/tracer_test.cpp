@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
+#include <memory>
+#include <vector>
 
 #include "base/error.h"
 #include "unit/path/scenes.h"
@@ -99,6 +102,47 @@ TEST(unit_path_tracer, scenes_under_one_prepared_light_are_traced_as_each_alone)
     const Film shared = path::Tracer(scene, light).render(front(), s);
     EXPECT_TRUE(films_are_identical(shared, path::Tracer(scene, striped).render(front(), s)));
   }
+}
+
+TEST(unit_path_tracer, other_materials_on_the_same_tree_give_the_picture_of_a_new_tracer) {
+  const path::FarLight light(dusk());
+  const shade::ShadingModel shading = shade::shading_model_candela();
+  struct Change {
+    std::function<void(Scene&)> make;
+    bool is_taken;  ///< what is built serves again
+  };
+  const std::vector<Change> changes = {
+      {[](Scene& s) { s.materials[0].base_color = vec3(0.1f, 0.1f, 0.9f); }, true},
+      {[](Scene& s) { s.materials[2].emission = vec3(0.0f); }, true},
+      {[](Scene& s) { s.materials[0].emission = vec3(1.0f, 0.0f, 0.0f); }, true},
+      {[](Scene& s) { s.materials[1].opacity = 0.9f; }, true},
+      {[](Scene& s) { s.materials.push_back(s.materials[2]); }, true},
+      {[](Scene& s) { s.materials[1].alpha_mode = AlphaMode::opaque; }, false},
+      {[](Scene& s) { s.materials[0].transmission = 1.0f, s.materials[0].roughness = 0.0f; }, false},
+      {[](Scene& s) { s.materials[0].transmission = 1.0f, s.materials[0].thickness = 1.0f; }, false},
+      {[](Scene& s) { s.materials[0].anisotropy = 0.5f; }, false},
+  };
+  const path::Settings s = with_layers(16, 8);
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    auto scene = std::make_shared<Scene>(still_life());
+    for (Primitive& p : scene->meshes[0].primitives) p.tangents.assign(p.positions.size(), vec4(1, 0, 0, 1));
+    path::Tracer tracer(std::make_shared<const Scene>(*scene), light);
+    const Film before = tracer.render(front(), s);
+    changes[i].make(*scene);
+    EXPECT_EQ(tracer.take_materials(scene, light, shading), changes[i].is_taken) << i;
+    const Film wanted = path::render(changes[i].is_taken ? *scene : still_life(), dusk(), front(), s);
+    const Film after = tracer.render(front(), s);
+    EXPECT_TRUE(films_are_identical(after, wanted)) << i;
+    const bool has_spare = scene->materials.size() > still_life().materials.size();
+    EXPECT_EQ(films_are_identical(after, before), !changes[i].is_taken || has_spare) << i;
+  }
+  // What somebody else holds is not changed under him.
+  const auto scene = std::make_shared<const Scene>(still_life());
+  path::Tracer tracer(scene, light);
+  const path::Tracer same = tracer;
+  EXPECT_FALSE(tracer.take_materials(scene, light, shading));
+  const path::Tracer on_its_tree(tracer, scene, light);
+  EXPECT_FALSE(tracer.take_materials(scene, light, shading));
 }
 
 TEST(unit_path_tracer, scenes_that_name_what_is_not_there_are_refused) {
