@@ -23,6 +23,7 @@ Verb add_check(Command& command);
 Verb add_diff(Command& command);
 Verb add_view(Command& command);
 Verb add_figures(Command& command);
+Verb add_completion(Command& command);
 
 struct VerbInfo {
   std::string_view name;
@@ -43,6 +44,7 @@ inline constexpr auto kVerbs = std::to_array<VerbInfo>({
     {"diff", "Measure how far one picture or model is from another", add_diff},
     {"view", "Show a scene in a window, drawn in real time", add_view},
     {"figures", "Make the figures of physically based shading, as pages to read", add_figures},
+    {"completion", "Scripts for shells that complete what is typed, and the manual", add_completion},
 });
 
 /// Writes `text` to standard output; throws Error where that fails (a full disk behind a redirection).
