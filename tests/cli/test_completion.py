@@ -328,6 +328,10 @@ class Manual(CliTest):
             # Pages have the program's version in place of a date, so that equal sources give equal bytes.
             told = [line for line in done.stdout.decode().splitlines() if "missing date" not in line]
             self.assertEqual(told, [])
+            # A hyphen without a backslash is one of typography, which no shell takes for an option's.
+            for line in page.read_text().splitlines():
+                if not line.startswith((".TH", '.\\"')):
+                    self.assertNotRegex(line, r"(?<!\\)-")
 
     def test_pages_are_the_same_bytes_each_time_and_replace_older_ones(self):
         first = {name: path.read_bytes() for name, path in self.pages().items()}
@@ -338,6 +342,8 @@ class Manual(CliTest):
         (self.folder / "file").write_text("")
         self.fails("completion", "man", "-o", "file", says="file")
         self.fails("completion", "man", "-o", "/proc/nowhere", says="/proc/nowhere")
+        (self.folder / "man1/candela-view.1").mkdir(parents=True)
+        self.fails("completion", "man", "-o", "man1", says="candela-view.1")
 
 
 if __name__ == "__main__":
