@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Write C++ that holds text files by name: tools/embed_text.py OUT.cpp NAME=PATH..."""
+"""Write C++ that holds text files by name: tools/embed_text.py OUT.cpp NAMESPACE HEADER FUNCTION NAME=PATH...
+
+HEADER declares the function in the namespace."""
 
 import sys
 
@@ -12,15 +14,15 @@ def literal(text):
 
 
 def main():
-    out, *files = sys.argv[1:]
-    lines = ['#include "raster/shader_files.h"', "", "namespace candela::raster {", "",
-             "const std::map<std::string, std::string, std::less<>>& shader_files() {",
+    out, namespace, header, function, *files = sys.argv[1:]
+    lines = [f'#include "{header}"', "", f"namespace {namespace} {{", "",
+             f"const std::map<std::string, std::string, std::less<>>& {function}() {{",
              "  static const std::map<std::string, std::string, std::less<>> files = {"]
     for entry in files:
         name, path = entry.split("=", 1)
         with open(path, encoding="utf-8") as file:
             lines.append(f'    {{"{name}",\n{literal(file.read())}}},')
-    lines += ["  };", "  return files;", "}", "", "}  // namespace candela::raster", ""]
+    lines += ["  };", "  return files;", "}", "", f"}}  // namespace {namespace}", ""]
     with open(out, "w", encoding="utf-8") as file:
         file.write("\n".join(lines))
 

@@ -45,18 +45,6 @@ struct BakeOptions {
   int threads = 0;
 };
 
-template <class T, std::size_t n>
-auto one_of(const std::array<std::pair<std::string_view, T>, n>& choices) {
-  return [choices](const std::string& text) {
-    std::string known;
-    for (const auto& [name, value] : choices) {
-      if (text == name) return value;
-      known += (known.empty() ? "" : ", ") + std::string(name);
-    }
-    throw UsageError(fmt::format("'{}' is none of {}", text, known));
-  };
-}
-
 /// A share, plain or in per cent: "0.005" or "0.5%".
 double parse_share(const std::string& text) {
   const bool percent = text.ends_with('%');
@@ -75,18 +63,18 @@ void add_cube(Command& command, BakeOptions& o) {
       .group(group);
   add_value(command, "--levels", "N", o.levels, count_within(1, kMostLevels), "Each half the size of the last [6]")
       .group(group);
-  add_value(command, "--mapping", "NAME", o.mapping,
-            one_of<Mapping, 3>(
-                {{{"balanced", Mapping::balanced}, {"linear", Mapping::linear}, {"filament", Mapping::filament}}}),
-            "Roughness of the levels: balanced (its square halves as texels do), linear, filament [balanced]")
+  constexpr Words<Mapping, 3> kMappings{
+      {{"balanced", Mapping::balanced}, {"linear", Mapping::linear}, {"filament", Mapping::filament}}};
+  constexpr Words<Method, 5> kMethods{{{"auto", Method::automatic},
+                                       {"zonal", Method::zonal},
+                                       {"hierarchical", Method::hierarchical},
+                                       {"fis", Method::fis},
+                                       {"montecarlo", Method::montecarlo}}};
+  add_choice(command, "--mapping", "NAME", o.mapping, kMappings,
+             "Roughness of the levels: balanced (its square halves as texels do), linear, filament [balanced]")
       .group(group);
-  add_value(command, "--method", "NAME", o.order.settings.specular.method,
-            one_of<Method, 5>({{{"auto", Method::automatic},
-                                {"zonal", Method::zonal},
-                                {"hierarchical", Method::hierarchical},
-                                {"fis", Method::fis},
-                                {"montecarlo", Method::montecarlo}}}),
-            "zonal, hierarchical; fis and montecarlo for comparison [auto: zonal where the lobe allows]")
+  add_choice(command, "--method", "NAME", o.order.settings.specular.method, kMethods,
+             "zonal, hierarchical; fis and montecarlo for comparison [auto: zonal where the lobe allows]")
       .group(group);
   add_value(command, "--samples", "N", o.order.settings.specular.samples, count_within(1, kMostSamples),
             "Of fis, montecarlo and riemann, per texel [1024]")
@@ -99,11 +87,13 @@ void add_diffuse(Command& command, BakeOptions& o) {
   using ibl::Window;
   constexpr int kMostSize = 1024;
   const std::string group = "Diffuse";
-  add_value(command, "--irradiance", "NAME", o.order.settings.irradiance_method,
-            one_of<IrradianceMethod, 3>({{{"exact", IrradianceMethod::exact},
-                                          {"riemann", IrradianceMethod::riemann},
-                                          {"montecarlo", IrradianceMethod::montecarlo}}}),
-            "exact; riemann and montecarlo for comparison [exact]")
+  constexpr Words<IrradianceMethod, 3> kMethods{{{"exact", IrradianceMethod::exact},
+                                                 {"riemann", IrradianceMethod::riemann},
+                                                 {"montecarlo", IrradianceMethod::montecarlo}}};
+  constexpr Words<Window, 4> kWindows{
+      {{"none", Window::none}, {"hann", Window::hann}, {"lanczos", Window::lanczos}, {"auto", Window::automatic}}};
+  add_choice(command, "--irradiance", "NAME", o.order.settings.irradiance_method, kMethods,
+             "exact; riemann and montecarlo for comparison [exact]")
       .group(group);
   add_value(command, "--irradiance-size", "N", o.order.settings.irradiance_size, count_within(1, kMostSize),
             "Texels along a face [32]")
@@ -111,32 +101,28 @@ void add_diffuse(Command& command, BakeOptions& o) {
   add_value(command, "--sh-order", "L", o.order.settings.sh_order, count_within(0, ibl::kMostShOrder),
             "Highest degree of the spherical harmonics [2: nine of them]")
       .group(group);
-  add_value(command, "--window", "NAME", o.order.settings.window,
-            one_of<Window, 4>({{{"none", Window::none},
-                                {"hann", Window::hann},
-                                {"lanczos", Window::lanczos},
-                                {"auto", Window::automatic}}}),
-            "Damps their ringing: none, hann, lanczos, auto (as little as leaves nothing negative) [none]")
+  add_choice(command, "--window", "NAME", o.order.settings.window, kWindows,
+             "Damps their ringing: none, hann, lanczos, auto (as little as leaves nothing negative) [none]")
       .group(group);
 }
 
-BakeFormat parse_format(const std::string& text) {
+Words<BakeFormat, 12> formats() {
   using Kind = BakeFormat::Kind;
   const auto texture = [](TextureContainer container, TexelFormat format) {
     return BakeFormat{Kind::texture, "", {.container = container, .format = format}};
   };
-  return one_of<BakeFormat, 12>({{{"exr", {}},
-                                  {"hdr", {Kind::faces, ".hdr", {}}},
-                                  {"panorama", {Kind::panorama, "", {}}},
-                                  {"rgbm", {Kind::rgbm, "", {}}},
-                                  {"gltf", {Kind::gltf, "", {}}},
-                                  {"ktx2", texture(TextureContainer::ktx2, TexelFormat::rgba16f)},
-                                  {"ktx2-rgba32f", texture(TextureContainer::ktx2, TexelFormat::rgba32f)},
-                                  {"ktx2-rgb9e5", texture(TextureContainer::ktx2, TexelFormat::rgb9e5)},
-                                  {"ktx1", texture(TextureContainer::ktx1, TexelFormat::r11g11b10f)},
-                                  {"ktx1-rgba16f", texture(TextureContainer::ktx1, TexelFormat::rgba16f)},
-                                  {"dds", texture(TextureContainer::dds, TexelFormat::rgba16f)},
-                                  {"dds-rgba32f", texture(TextureContainer::dds, TexelFormat::rgba32f)}}})(text);
+  return {{{"exr", {}},
+           {"hdr", {Kind::faces, ".hdr", {}}},
+           {"panorama", {Kind::panorama, "", {}}},
+           {"rgbm", {Kind::rgbm, "", {}}},
+           {"gltf", {Kind::gltf, "", {}}},
+           {"ktx2", texture(TextureContainer::ktx2, TexelFormat::rgba16f)},
+           {"ktx2-rgba32f", texture(TextureContainer::ktx2, TexelFormat::rgba32f)},
+           {"ktx2-rgb9e5", texture(TextureContainer::ktx2, TexelFormat::rgb9e5)},
+           {"ktx1", texture(TextureContainer::ktx1, TexelFormat::r11g11b10f)},
+           {"ktx1-rgba16f", texture(TextureContainer::ktx1, TexelFormat::rgba16f)},
+           {"dds", texture(TextureContainer::dds, TexelFormat::rgba16f)},
+           {"dds-rgba32f", texture(TextureContainer::dds, TexelFormat::rgba32f)}}};
 }
 
 CubeAxes parse_axes_option(const std::string& text) {
@@ -149,10 +135,11 @@ void add_files(Command& command, BakeOptions& o) {
   add_value(
       command, "--profile", "ENGINE", o.order.profile, [](const std::string& text) { return &ibl::find_profile(text); },
       "What an engine reads: filament, three, babylon, khronos, bevy, godot, unreal, unity")
+      .choices(names_of_rows(ibl::profiles()))
       .group(group);
-  add_value(command, "--format", "NAME", o.order.format, parse_format,
-            "exr, hdr (six faces a level), panorama, rgbm, gltf (EXT_lights_image_based), ktx2, ktx2-rgba32f, "
-            "ktx2-rgb9e5, ktx1, ktx1-rgba16f, dds, dds-rgba32f [exr]")
+  add_choice(command, "--format", "NAME", o.order.format, formats(),
+             "exr, hdr (six faces a level), panorama, rgbm, gltf (EXT_lights_image_based), ktx2, ktx2-rgba32f, "
+             "ktx2-rgb9e5, ktx1, ktx1-rgba16f, dds, dds-rgba32f [exr]")
       .group(group);
   add_value(command, "--axes", "AXES", o.order.light.axes, parse_axes_option,
             "By which a cube map that is read is looked up, in terms of the world's: -x+y+z is as seen from inside")
@@ -168,6 +155,7 @@ void add_scene(Command& command, BakeOptions& o) {
   add_value(
       command, "--from-scene", "SCENE", o.order.light.scene, [](const std::string& text) { return text; },
       "Bake what a point of a scene sees, path traced; ENV lights the scene [its own image-based light, else studio]")
+      .choices(demo_words())
       .group("Light");
   add_root(command, o.order.light.load.root).group("Light");
   add_texture_memory(command, o.order.light.load.texture_memory).group("Light");
@@ -379,9 +367,11 @@ void run_bake(const BakeOptions& o) {
 
 Verb add_bake(Command& command) {
   const auto options = std::make_shared<BakeOptions>();
-  command.text("ENV", options->order.light.environment,
-               "An equirectangular .exr (:LAYER), .hdr, .png, .jpg, .webp or .avif; a cube map: .ktx2, .ktx, .dds, a "
-               "cross or strip, a folder of six faces or a pattern with %s; or studio, sky, sky:DEG, furnace");
+  command
+      .text("ENV", options->order.light.environment,
+            "An equirectangular .exr (:LAYER), .hdr, .png, .jpg, .webp or .avif; a cube map: .ktx2, .ktx, .dds, a "
+            "cross or strip, a folder of six faces or a pattern with %s; or studio, sky, sky:DEG, furnace")
+      .choices(environment_words());
   command.text("-o,--output", options->output, "Folder to write to; it is made where it is absent").type("DIR");
   add_cube(command, *options);
   add_diffuse(command, *options);

@@ -58,12 +58,7 @@ float parse_margin(const std::string& text) {
 
 namespace {
 
-bool parse_projection(const std::string& text) {
-  if (text != "perspective" && text != "orthographic") {
-    throw UsageError(fmt::format("'{}' is none of perspective, orthographic", text));
-  }
-  return text == "orthographic";
-}
+constexpr Words<bool, 2> kProjections{{{"perspective", false}, {"orthographic", true}}};  // whether it is orthographic
 
 /// What names of files say of a set of pictures.
 std::string into(CameraPictures pictures, const std::string& name) {
@@ -74,9 +69,10 @@ void add_viewpoints(Command& command, RenderOptions& o, CameraPictures pictures,
   const auto text = [](const std::string& value) { return value; };
   Option camera = add_value(command, "--camera", "INDEX|NAME", o.shot.camera, text,
                             "One of the file's cameras [the first, else the whole subject]");
-  Option views = add_value(
-      command, "--views", "LIST", o.shot.views, parse_views,
-      "A picture of the whole subject from each" + into(pictures, "NAME-{view}.png") + "; some of " + names_of_views());
+  Option views = add_value(command, "--views", "LIST", o.shot.views, parse_views,
+                           "A picture of the whole subject from each" + into(pictures, "NAME-{view}.png") +
+                               "; some of " + names_of_views())
+                     .choices_of_list(names_of_rows(kNamedViews));
   Option orbit = add_value(command, "--orbit", "AZ,EL[,DIST]", o.shot.orbit, parse_orbit,
                            "Degrees around and above the subject; DIST 1 fits it, 0.5 is twice as close");
   Option eye = add_value(command, "--eye", "X,Y,Z", o.shot.eye, parse_vec3, "Where the camera is, metres");
@@ -115,9 +111,9 @@ void add_viewpoints(Command& command, RenderOptions& o, CameraPictures pictures,
 void add_camera_options(Command& command, RenderOptions& o, CameraPictures pictures) {
   const std::string group = "Camera";
   add_viewpoints(command, o, pictures, group);
-  Option projection = add_value(command, "--projection", "NAME", o.shot.is_orthographic, parse_projection,
-                                "perspective or orthographic; the subject is framed then, as with --margin, unless "
-                                "--eye says otherwise [perspective]");
+  Option projection = add_choice(command, "--projection", "NAME", o.shot.is_orthographic, kProjections,
+                                 "perspective or orthographic; the subject is framed then, as with --margin, unless "
+                                 "--eye says otherwise [perspective]");
   Option margin = add_value(command, "--margin", "8%", o.shot.margin, parse_margin,
                             "What stays free at either side of a subject that is shown whole [8%]");
   Option fov = add_value(

@@ -222,11 +222,16 @@ void add_filter(Command& command, CheckFilter& filter) {
     if (text.empty()) throw UsageError("the name is empty");
     return text;
   };
-  add_value(command, "--ignore", "CODE,…", filter.ignored, parse_codes, "Findings not to be told, e.g. roughness-zero");
+  const std::span<const std::string> codes = check::finding_codes();
+  add_value(command, "--ignore", "CODE,…", filter.ignored, parse_codes, "Findings not to be told, e.g. roughness-zero")
+      .choices_of_list({codes.begin(), codes.end()});
+  std::vector<std::string> limits;
+  for (const check::LimitRow& row : check::limit_rows()) limits.push_back(std::string(row.name) + "=");
   command
       .texts("--limit", filter.limit_texts,
              "From where on a finding is told, may be repeated: albedo-too-bright=0.95, too-many-triangles=100000")
       .type("CODE=X")
+      .choices(limits)
       .repeated();
   add_value(command, "--write-baseline", "FILE", filter.new_baseline, file_name, "Keep today's findings as known ones");
   add_value(command, "--baseline", "FILE", filter.baseline, file_name, "Tell only findings that are not known");
@@ -237,6 +242,7 @@ void add_filter(Command& command, CheckFilter& filter) {
 Verb add_check(Command& command) {
   const auto options = std::make_shared<CheckOptions>();
   command.texts("SCENE", options->names, "Files (" + kSceneFiles + "), folders to search for them, or demo:NAME")
+      .choices(demo_words())
       .required();
   add_root(command, options->root);
   add_scene_choice(command, options->scene);

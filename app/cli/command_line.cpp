@@ -57,28 +57,36 @@ Option& Option::repeated() {
 }
 Option& Option::needs(const Option& other) { return option_->needs(other.option_), *this; }
 Option& Option::excludes(const Option& other) { return option_->excludes(other.option_), *this; }
+Option& Option::choices(const std::vector<std::string>& words) {
+  notes_->choices[option_] = {words, false};
+  return *this;
+}
+Option& Option::choices_of_list(const std::vector<std::string>& words) {
+  notes_->choices[option_] = {words, true};
+  return *this;
+}
 
 Option Command::text(const std::string& name, std::string& into, const std::string& help) {
-  return Option(app_->add_option(name, into, help)).type("");
+  return Option(app_->add_option(name, into, help), notes_).type("");
 }
 Option Command::texts(const std::string& name, std::vector<std::string>& into, const std::string& help) {
-  return Option(app_->add_option(name, into, help)).type("");
+  return Option(app_->add_option(name, into, help), notes_).type("");
 }
 Option Command::flag(const std::string& name, bool& into, const std::string& help) {
-  return Option(app_->add_flag(name, into, help));
+  return {app_->add_flag(name, into, help), notes_};
 }
 Option Command::flag_or_value(const std::string& name, const std::string& type, std::string& into,
                               const std::string& help) {
-  return Option(app_->add_flag(name, into, help)).type(type);
+  return Option(app_->add_flag(name, into, help), notes_).type(type);
 }
 Option Command::value(const std::string& name, const std::string& type,
                       const std::function<void(const std::string&)>& store, const std::string& help) {
-  return Option(app_->add_option_function<std::string>(name, store, help)).type(type);
+  return Option(app_->add_option_function<std::string>(name, store, help), notes_).type(type);
 }
-Option Command::help() { return Option(app_->set_help_flag(kHelpFlag, kHelpText)); }
+Option Command::help() { return {app_->set_help_flag(kHelpFlag, kHelpText), notes_}; }
 void Command::footer(const std::string& text) { app_->footer(text); }
 void Command::short_help(const std::vector<std::string>& names, const std::string& text) {
-  *short_help_ = {names, text};
+  notes_->short_help = {names, text};
 }
 
 bool Command::has(const std::string& name) const { return app_->count(name) > 0; }
@@ -102,7 +110,7 @@ CommandLine::~CommandLine() = default;
 
 Command CommandLine::add_verb(const std::string& name, const std::string& what) {
   CLI::App* verb = app_->add_subcommand(name, what)->group("Verbs");
-  return {verb, &short_helps_[verb]};
+  return {verb, &notes_[verb]};
 }
 void CommandLine::footer(const std::string& text) { app_->footer(text); }
 void CommandLine::add_topic(const std::string& name, const std::function<std::string()>& text) { topics_[name] = text; }
@@ -153,14 +161,14 @@ std::string CommandLine::help_text(const std::string& topic) const {
   if (const auto found = topics_.find(topic); found != topics_.end()) return found->second();
   const std::vector<CLI::App*> verbs = app_->get_subcommands();
   CLI::App& app = verbs.empty() ? *app_ : *verbs[0];
-  const auto found = short_helps_.find(&app);
-  if (topic == kAll || found == short_helps_.end() || found->second.names.empty()) return app_->help();
+  const auto found = notes_.find(&app);
+  if (topic == kAll || found == notes_.end() || found->second.short_help.names.empty()) return app_->help();
   for (CLI::Option* option : app.get_options()) {
-    const std::vector<std::string>& shown = found->second.names;
+    const std::vector<std::string>& shown = found->second.short_help.names;
     const bool is_shown = std::find(shown.begin(), shown.end(), option->get_name()) != shown.end();
     if (!option->get_positional() && !is_shown) option->group("");
   }
-  app.footer(found->second.footer);
+  app.footer(found->second.short_help.footer);
   return app_->help();
 }
 
@@ -189,6 +197,43 @@ CommandLine::Asked CommandLine::parse(const std::vector<std::string>& given) {
   }
   const std::vector<CLI::App*> verbs = app_->get_subcommands();
   return {.verb = verbs.empty() ? std::string() : verbs[0]->get_name(), .text = {}};
+}
+
+namespace {
+
+OptionInfo info_of(const CLI::Option& option, const CommandNotes* notes) {
+  OptionInfo info;
+  for (const std::string& name : option.get_snames()) info.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) info.names.push_back("--" + name);
+  if (option.get_positional()) info.input = option.get_name();
+  info.type = option.get_type_name();
+  info.help = option.get_description();
+  info.group = option.get_group();
+  info.values = option.get_items_expected_max();
+  info.may_have_value = info.values == 0 && !info.type.empty();
+  info.is_repeated = option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+  info.is_required = option.get_required();
+  if (notes == nullptr) return info;
+  if (const auto found = notes->choices.find(&option); found != notes->choices.end()) info.choices = found->second;
+  return info;
+}
+
+CommandInfo info_of(const CLI::App& app, const CommandNotes* notes) {
+  CommandInfo info{.name = app.get_name(), .what = app.get_description(), .footer = app.get_footer(), .options = {}};
+  for (const CLI::Option* option : app.get_options()) info.options.push_back(info_of(*option, notes));
+  return info;
+}
+
+}  // namespace
+
+std::vector<CommandInfo> CommandLine::commands() const {
+  const CLI::App& app = *app_;
+  std::vector<CommandInfo> infos{info_of(app, nullptr)};
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    const auto found = notes_.find(verb);
+    infos.push_back(info_of(*verb, found == notes_.end() ? nullptr : &found->second));
+  }
+  return infos;
 }
 
 }  // namespace candela::cli

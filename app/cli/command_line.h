@@ -13,21 +13,10 @@ class Option;
 
 namespace candela::cli {
 
-/// An option of a verb while it is declared. CLI11 behind it is compiled by command_line.cpp alone.
-class Option {
- public:
-  explicit Option(CLI::Option* option) : option_(option) {}
-
-  Option& type(const std::string& text);  ///< what its value is, for --help; empty = its name says it
-  Option& group(const std::string& name);
-  Option& required();
-  Option& values(int count);  ///< so many, one after the other
-  Option& repeated();         ///< may be given more than once, with one value each
-  Option& needs(const Option& other);
-  Option& excludes(const Option& other);
-
- private:
-  CLI::Option* option_;
+/// Words that an option takes, or some of them.
+struct Choices {
+  std::vector<std::string> words;
+  bool is_list = false;  ///< several may be given, separated by commas
 };
 
 /// What --help shows of a verb with many options.
@@ -36,10 +25,36 @@ struct ShortHelp {
   std::string footer;
 };
 
+/// What CLI11 does not keep of a verb.
+struct CommandNotes {
+  ShortHelp short_help;
+  std::map<const CLI::Option*, Choices> choices;
+};
+
+/// An option of a verb while it is declared. CLI11 behind it is compiled by command_line.cpp alone.
+class Option {
+ public:
+  Option(CLI::Option* option, CommandNotes* notes) : option_(option), notes_(notes) {}
+
+  Option& type(const std::string& text);  ///< what its value is, for --help; empty = its name says it
+  Option& group(const std::string& name);
+  Option& required();
+  Option& values(int count);  ///< so many, one after the other
+  Option& repeated();         ///< may be given more than once, with one value each
+  Option& needs(const Option& other);
+  Option& excludes(const Option& other);
+  Option& choices(const std::vector<std::string>& words);          ///< for completion
+  Option& choices_of_list(const std::vector<std::string>& words);  ///< likewise
+
+ private:
+  CLI::Option* option_;
+  CommandNotes* notes_;
+};
+
 /// A verb and its options; what they fill must outlive the parsing. A name without dashes is a positional.
 class Command {
  public:
-  Command(CLI::App* app, ShortHelp* short_help) : app_(app), short_help_(short_help) {}
+  Command(CLI::App* app, CommandNotes* notes) : app_(app), notes_(notes) {}
 
   Option text(const std::string& name, std::string& into, const std::string& help);
   Option texts(const std::string& name, std::vector<std::string>& into, const std::string& help);
@@ -63,7 +78,25 @@ class Command {
 
  private:
   CLI::App* app_;
-  ShortHelp* short_help_;
+  CommandNotes* notes_;
+};
+
+/// An option as it was declared, or an input, which has no names.
+struct OptionInfo {
+  std::vector<std::string> names;  ///< "-o", "--output"
+  std::string input;               ///< "SCENE"
+  std::string type, help, group;
+  Choices choices;
+  int values = 0;               ///< so many follow it, of a flag none; of an input how many may be given
+  bool may_have_value = false;  ///< behind an equals sign
+  bool is_repeated = false;
+  bool is_required = false;
+};
+
+/// A verb with all its options; the program itself is one without inputs.
+struct CommandInfo {
+  std::string name, what, footer;
+  std::vector<OptionInfo> options;
 };
 
 /// The program's verbs and what of them the user has named. `help VERB` is the same as `VERB --help`.
@@ -87,12 +120,15 @@ class CommandLine {
   /// Throws UsageError, which names the option that was meant where one was mistyped.
   Asked parse(const std::vector<std::string>& arguments);
 
+  /// The program itself, then its verbs.
+  std::vector<CommandInfo> commands() const;
+
  private:
   std::string help_text(const std::string& topic) const;
 
   std::unique_ptr<CLI::App> app_;
   std::map<std::string, std::function<std::string()>> topics_;
-  std::map<const CLI::App*, ShortHelp> short_helps_;
+  std::map<const CLI::App*, CommandNotes> notes_;
 };
 
 }  // namespace candela::cli

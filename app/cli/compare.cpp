@@ -77,7 +77,9 @@ void add_pictures(Command& command, CompareOptions& o) {
   add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", shot.exposure, parse_exposure,
             "How both are seen [the scene's wish, else metered from the truth]")
       .group(group);
-  add_value(command, "--tonemap", "CURVE", shot.tone_curve, parse_tone_curve, "Likewise [pbr-neutral]").group(group);
+  add_value(command, "--tonemap", "CURVE", shot.tone_curve, parse_tone_curve, "Likewise [pbr-neutral]")
+      .choices(names_of_rows(kToneCurves))
+      .group(group);
 }
 
 void finish_against(const Command& command, CompareOptions& o) {
@@ -212,7 +214,9 @@ Verb add_compare(Command& command) {
   const auto options = std::make_shared<CompareOptions>();
   CompareOptions& o = *options;
   o.recipe.scenes.resize(1);
-  command.text("SCENE", o.recipe.scenes[0], "A file (" + kSceneFiles + ") or a built-in demo:NAME").required();
+  command.text("SCENE", o.recipe.scenes[0], "A file (" + kSceneFiles + ") or a built-in demo:NAME")
+      .choices(demo_words())
+      .required();
   command
       .text("-o,--output", o.output,
             "Also a page with the pictures, where they differ and the tables: FILE.html; or a folder for it, for " +

@@ -242,8 +242,11 @@ Verb add_diff(Command& command) {
       .text("FIRST", o.first,
             "The reference: a picture (.png .jpg .webp .avif .hdr .exr, FILE.exr:LAYER), a scene (" + kSceneFiles +
                 ", demo:NAME) or a folder of either")
+      .choices(demo_words())
       .required();
-  command.text("SECOND", o.second, "What is judged; of two folders, the files of equal names").required();
+  command.text("SECOND", o.second, "What is judged; of two folders, the files of equal names")
+      .choices(demo_words())
+      .required();
   command
       .text("-o,--output", o.output,
             "Also write the error of each pixel as a .png (of several views NAME-{view}.png), or a page of all pairs "
@@ -255,7 +258,8 @@ Verb add_diff(Command& command) {
             "A pixel has changed where a channel differs by more: of 0 to 1 in a display picture, else linear [0]");
   add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", o.settings.exposure, parse_exposure,
             "How .hdr, .exr and scenes are seen [auto: metered from FIRST, for both; of scenes as in render]");
-  add_value(command, "--tonemap", "CURVE", o.settings.tone_curve, parse_tone_curve, "Likewise [pbr-neutral]");
+  add_value(command, "--tonemap", "CURVE", o.settings.tone_curve, parse_tone_curve, "Likewise [pbr-neutral]")
+      .choices(names_of_rows(kToneCurves));
   command.flag("--json", o.json, "For a machine: one JSON object");
   command.flag("-q,--quiet", o.quiet, "No progress on standard error");
   add_scene_recipe(command, o.recipe);

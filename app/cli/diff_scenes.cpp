@@ -29,7 +29,8 @@ constexpr std::array kOptions = {"--views",     "--orbit", "--cameras", "--margi
 
 void add_viewpoints(Command& command, SceneRecipe& r, const std::string& group) {
   Option views = add_value(command, "--views", "LIST", r.shot.views, parse_views,
-                           "Some of " + names_of_views() + " [" + fmt::format("{}", fmt::join(kViews, ",")) + "]");
+                           "Some of " + names_of_views() + " [" + fmt::format("{}", fmt::join(kViews, ",")) + "]")
+                     .choices_of_list(names_of_rows(kNamedViews));
   Option orbit = add_value(command, "--orbit", "AZ,EL[,DIST]", r.shot.orbit, parse_orbit,
                            "One view, degrees around and above the subject; DIST 1 fits it");
   const auto cameras = [&r](const std::string& value) {
@@ -58,7 +59,7 @@ void add_scene_recipe(Command& command, SceneRecipe& r) {
   r.shot.size = kSize;
   add_viewpoints(command, r, group);
   add_value(command, "--size", "WxH", r.shot.size, parse_size, "Of each picture, pixels [384x384]").group(group);
-  add_value(command, "--engine", "path|raster", r.shot.engine, parse_engine, "What makes the pictures [path]")
+  add_choice(command, "--engine", "path|raster", r.shot.engine, kEngines, "What makes the pictures [path]")
       .group(group);
   add_value(command, "--spp", "N", r.samples, count_within(1, kMostSamples),
             "Samples per pixel [32; raster: frames to average, 1]")
@@ -66,6 +67,7 @@ void add_scene_recipe(Command& command, SceneRecipe& r) {
   add_value(command, "--seed", "N", r.shot.traced.seed, seed, "Of the noise, the same in both [0]").group(group);
   add_value(command, "--env", "FILE|NAME", r.shot.environment, text,
             "What lights both [their own image-based light, else the wish of FIRST, else studio]")
+      .choices(environment_words())
       .group(group);
   add_scene_choice(command, r.shot.load.scene).group(group);
   add_value(command, "--variant", "NAME", r.shot.load.variant, text, "The material variant that both wear")

@@ -41,10 +41,7 @@ std::vector<std::string> split(const std::string& text) {
   return parts;
 }
 
-std::string parse_quality(const std::string& text) {
-  if (text == "draft" || text == "final") return text;
-  throw UsageError("\"" + text + "\" is neither draft nor final");
-}
+constexpr Words<const char*, 2> kQualityWords{{{"draft", "draft"}, {"final", "final"}}};
 
 figures::FigureSettings settings_of(const FigureOptions& o) {
   const bool is_draft = o.quality == "draft";
@@ -122,9 +119,10 @@ Verb add_figures(Command& command) {
   add_value(
       command, "--only", "NAMES", o.chosen,
       [](const std::string& text) { return figures::choose_figures(split(text)); },
-      "These figures alone, separated by commas");
-  add_value(command, "--quality", "NAME", o.quality, parse_quality,
-            "final: minutes; draft: half as wide, 8 samples [final]");
+      "These figures alone, separated by commas")
+      .choices_of_list(names_of_rows(figures::figures()));
+  add_choice(command, "--quality", "NAME", o.quality, kQualityWords,
+             "final: minutes; draft: half as wide, 8 samples [final]");
   add_value(command, "--spp", "N", o.samples, count_within(1, 65536),
             "Samples per pixel, eight times as many in references [64]");
   add_value(command, "--threads", "N", o.threads, count_within(1, 1024), "Default: all the machine has");

@@ -275,6 +275,7 @@ Verb add_info(Command& command) {
       .text("FILE", options->file,
             "A scene (.glb, .gltf, .obj, .fbx, .stl, .ply, .dae, .3ds, .3mf, a .zip with one of them), a demo:NAME, "
             "an .exr (:LAYER), .hdr, .png, .jpg, .webp or .avif image, or a .ktx2, .ktx or .dds texture")
+      .choices(demo_words())
       .required();
   add_root(command, options->root);
   add_scene_choice(command, options->scene);

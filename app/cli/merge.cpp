@@ -113,7 +113,8 @@ Verb add_merge(Command& command) {
       .type("FILE")
       .repeated();
   add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", o.exposure, parse_exposure, "As of render [the parts']");
-  add_value(command, "--tonemap", "CURVE", o.tone_curve, parse_tone_curve, "As of render [the parts']");
+  add_value(command, "--tonemap", "CURVE", o.tone_curve, parse_tone_curve, "As of render [the parts']")
+      .choices(names_of_rows(kToneCurves));
   add_value(command, "--bloom", "X", o.bloom, number_within(0.0f, 1.0f), "As of render [the parts']");
   command.flag_or_value("--denoise", "[=regression|oidn|none]", o.denoiser, "As of render [the parts']");
   command.flag("-q,--quiet", o.quiet, "No progress");

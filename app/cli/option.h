@@ -1,11 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "cli/command_line.h"
 #include "cli/values.h"
+#include "content/demo.h"
+#include "content/make_environment.h"
 #include "foreign/measures.h"
 
 namespace candela::cli {
@@ -24,6 +28,39 @@ Option add_value(Command& command, const std::string& name, const std::string& t
     }
   };
   return command.value(name, type, store, help);
+}
+
+/// The first of each pair, or the names of a table's rows.
+template <class T, std::size_t n>
+std::vector<std::string> names_of(const Words<T, n>& words) {
+  std::vector<std::string> names;
+  for (const auto& [word, value] : words) names.emplace_back(word);
+  return names;
+}
+template <class Rows>
+std::vector<std::string> names_of_rows(const Rows& rows) {
+  std::vector<std::string> names;
+  for (const auto& row : rows) names.emplace_back(row.name);
+  return names;
+}
+
+/// What a scene or an environment may be besides a file.
+inline std::vector<std::string> demo_words() {
+  std::vector<std::string> words;
+  for (const content::DemoInfo& demo : content::demos()) words.push_back("demo:" + demo.name);
+  return words;
+}
+inline std::vector<std::string> environment_words() {
+  const std::span<const std::string> names = built_in_environments();
+  return {names.begin(), names.end()};
+}
+
+/// An option that takes one of some words.
+template <class T, class V, std::size_t n>
+Option add_choice(Command& command, const std::string& name, const std::string& type, T& into, const Words<V, n>& words,
+                  const std::string& help) {
+  const auto parse = [words](const std::string& text) { return one_of(text, words); };
+  return add_value(command, name, type, into, parse, help).choices(names_of(words));
 }
 
 inline auto number_within(float low, float high) {

@@ -160,7 +160,9 @@ Verb add_preview(Command& command) {
   const auto options = std::make_shared<PreviewOptions>();
   PreviewOptions& o = *options;
   constexpr int kLeastSide = 16, kMostSide = 2048, kMostThreads = 1024;
-  command.text("SCENE", o.scene, "A file (" + kSceneFiles + ") or a built-in demo:NAME").required();
+  command.text("SCENE", o.scene, "A file (" + kSceneFiles + ") or a built-in demo:NAME")
+      .choices(demo_words())
+      .required();
   command.text("-o,--output", o.output, "The sheet: a .png, .webp or .jpg; - is standard output [NAME-preview.png]")
       .type("FILE");
   command.flag("--json", o.json, "What the sheet says, for a machine; without -o no sheet is made");
@@ -170,8 +172,9 @@ Verb add_preview(Command& command) {
             "Width and height of each view, pixels [320]");
   add_value(
       command, "--env", "FILE|NAME", o.settings.environment, [](const std::string& text) { return text; },
-      "What lights it: a file, studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]");
-  add_value(command, "--engine", "path|raster", o.engine, parse_engine, "What draws it [path]");
+      "What lights it: a file, studio, sky, sky:DEG, furnace, none [the scene's wish, else studio]")
+      .choices(environment_words());
+  add_choice(command, "--engine", "path|raster", o.engine, kEngines, "What draws it [path]");
   add_root(command, o.settings.load.root);
   add_texture_memory(command, o.settings.load.texture_memory);
   add_scene_choice(command, o.settings.load.scene);

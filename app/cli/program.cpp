@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "candela/candela.h"
+#include "cli/completion_words.h"
 #include "cli/help.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
@@ -68,30 +69,55 @@ void check_verb(const std::vector<std::string>& arguments, const std::string& to
   throw UsageError(unknown_verb_text(arguments[at]));
 }
 
-int run(const std::vector<std::string>& arguments) {
-  constexpr const char* kDemos = "demos";
-  CommandLine line("candela", "Candela: physically based pictures of glTF scenes", version());
-  std::vector<Command> commands;
-  commands.reserve(kVerbs.size());  // what a verb does refers to its command
-  std::vector<Verb> verbs;
-  verbs.reserve(kVerbs.size());
-  for (const VerbInfo& verb : kVerbs) {
-    commands.push_back(line.add_verb(std::string(verb.name), std::string(verb.what)));
-    verbs.push_back(verb.add(commands.back()));
-  }
-  line.add_topic(kDemos, demos_text);
-  line.footer(
-      "`candela VERB --help` tells more, with examples; `candela help demos` lists the built-in scenes.\n"
-      "Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work "
-      "left.");  // last, because verbs inherit it
+constexpr const char* kDemos = "demos";
 
+/// The command line with all that it may hold.
+class Declared {
+ public:
+  Declared() {
+    commands_.reserve(kVerbs.size());  // what a verb does refers to its command
+    verbs_.reserve(kVerbs.size());
+    for (const VerbInfo& verb : kVerbs) {
+      commands_.push_back(line.add_verb(std::string(verb.name), std::string(verb.what)));
+      verbs_.push_back(verb.add(commands_.back()));
+    }
+    line.add_topic(kDemos, demos_text);
+    line.footer(
+        "`candela VERB --help` tells more, with examples; `candela help demos` lists the built-in scenes.\n"
+        "Exit codes: 0 done, 1 bad input or failed work, 2 wrong usage, 130 stopped by Ctrl-C or SIGTERM with work "
+        "left.");  // last, because verbs inherit it
+  }
+
+  /// Null where there is none of that name.
+  const Verb* verb(const std::string& name) const {
+    for (std::size_t i = 0; i < kVerbs.size(); ++i) {
+      if (kVerbs[i].name == name) return &verbs_[i];
+    }
+    return nullptr;
+  }
+
+  CommandLine line{"candela", "Candela: physically based pictures of glTF scenes", version()};
+
+ private:
+  std::vector<Command> commands_;
+  std::vector<Verb> verbs_;
+};
+
+/// `completion words WORD…`: words of a command line that is not done, of which none is an option of this one.
+bool asks_for_words(const std::vector<std::string>& arguments) {
+  return arguments.size() > 1 && arguments[0] == "completion" && arguments[1] == "words";
+}
+
+int run(const std::vector<std::string>& arguments) {
+  Declared declared;
+  if (asks_for_words(arguments)) {
+    return print(completion_text(declared.line.commands(), {arguments.begin() + 2, arguments.end()})), kDone;
+  }
   try {
     check_verb(arguments, kDemos);
-    const CommandLine::Asked asked = line.parse(arguments);
+    const CommandLine::Asked asked = declared.line.parse(arguments);
     if (!asked.text.empty()) return print(asked.text), kDone;
-    for (std::size_t i = 0; i < kVerbs.size(); ++i) {
-      if (kVerbs[i].name == asked.verb) return verbs[i](), kDone;
-    }
+    if (const Verb* verb = declared.verb(asked.verb)) return (*verb)(), kDone;
     throw UsageError("no verb given: " + verb_names());
   } catch (const UsageError& error) {
     return fail(kWrongUsage, error.what(), usage_hint(arguments));
@@ -99,6 +125,8 @@ int run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
+
+std::vector<CommandInfo> all_commands() { return Declared().line.commands(); }
 
 int run_program(const std::vector<std::string>& arguments) {
   try {

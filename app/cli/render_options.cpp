@@ -17,6 +17,8 @@
 #include "cli/scene_list.h"
 #include "cli/values.h"
 #include "raster/blocks.h"
+#include "raster/quantity.h"
+#include "scene/shading_model.h"
 
 namespace candela::cli {
 
@@ -28,12 +30,31 @@ constexpr float kHuge = 1e30f;  // far from where squares overflow a float
 constexpr int kMostSamples = 1 << 20;
 constexpr int kOpenEndedSamples = 1 << 16;  // where --time or --noise is meant to stop first
 
-/// The names of a table's rows.
-template <class Rows>
-std::string names_of(const Rows& rows, std::string_view separator = ", ") {
-  std::string names;
-  for (const auto& row : rows) names += (names.empty() ? "" : std::string(separator)) + std::string(row.name);
-  return names;
+std::string joined(const std::vector<std::string>& names, std::string_view separator = ", ") {
+  return fmt::format("{}", fmt::join(names, separator));
+}
+
+/// The names of presets, and of each term with each of its choices: "d=ggx", "d=beckmann".
+std::vector<std::string> shading_words() {
+  std::vector<std::string> words;
+  for (const std::string& name : shading_model_names()) {
+    const std::size_t equals = name.find('=');
+    if (equals == std::string::npos) words.push_back(name);
+    for (std::size_t begin = equals; begin != std::string::npos;) {
+      const std::size_t end = name.find('|', begin + 1);
+      words.push_back(name.substr(0, equals + 1) + name.substr(begin + 1, end - begin - 1));
+      begin = end;
+    }
+  }
+  return words;
+}
+
+std::vector<std::string> quantity_words() {
+  std::vector<std::string> words{"light:"};
+  for (int i = 0; i < raster::kQuantityCount; ++i) {
+    words.emplace_back(raster::quantity_name(static_cast<raster::Quantity>(i)));
+  }
+  return words;
 }
 
 /// No name: all of them.
@@ -71,7 +92,8 @@ void add_picture(Command& command, RenderOptions& o) {
             "Metered, in stops, or as on a camera [the scene's wish; studio 0 unless outshone; else auto]")
       .group(group);
   add_value(command, "--tonemap", "CURVE", o.shot.tone_curve, parse_tone_curve,
-            "One of " + names_of(kToneCurves) + " [pbr-neutral]")
+            "One of " + joined(names_of_rows(kToneCurves)) + " [pbr-neutral]")
+      .choices(names_of_rows(kToneCurves))
       .group(group);
   add_value(command, "--bloom", "X", o.shot.bloom, number_within(0.0f, 1.0f),
             "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
@@ -79,7 +101,7 @@ void add_picture(Command& command, RenderOptions& o) {
   add_value(command, "--background", "env|transparent|COLOUR", o.background, parse_background,
             "Behind it all: #rgb, #rrggbb or #rrggbbaa (sRGB), r,g,b (linear), or a CSS name: rebeccapurple [env]")
       .group(group);
-  add_value(command, "--studio", names_of(kStudios, "|"), o.studio, parse_studio,
+  add_value(command, "--studio", joined(names_of_rows(kStudios), "|"), o.studio, parse_studio,
             "Light, paper and exposure of a product shot; --env, --ground and --background override it [none]")
       .group(group);
   add_value(command, "--ground", "shadow|mirror:X|COLOUR", o.shot.ground, parse_ground,
@@ -92,12 +114,14 @@ void add_picture(Command& command, RenderOptions& o) {
             "What clear glass before such a background shows through it [background]")
       .group(group);
   add_value(command, "--aov", "LIST", o.shot.layers, parse_layers,
-            "Layers beside the picture in the .exr, some of " + names_of(kLayers))
+            "Layers beside the picture in the .exr, some of " + joined(names_of_rows(kLayers)))
+      .choices_of_list(names_of_rows(kLayers))
       .group(group);
   add_value(command, "--cryptomatte", "object,material", o.shot.mattes, parse_mattes,
             "Soft masks of these in the .exr, as compositing programs read them")
+      .choices_of_list(names_of_rows(kMatteKinds))
       .group(group);
-  add_value(command, "--dataset", names_of(kDatasets, "|"), o.dataset, parse_dataset,
+  add_value(command, "--dataset", joined(names_of_rows(kDatasets), "|"), o.dataset, parse_dataset,
             "Pictures with what is known of them into -o DIR: masks and boxes, COCO, BOP, NeRF's transforms.json")
       .group(group);
   add_value(command, "--instances", "node|scene", o.instances, parse_instances,
@@ -130,10 +154,10 @@ void add_sampling(Command& command, RenderOptions& o) {
             "Scattering events along a path; 1 is direct light only [8]")
       .group(group);
   add_value(command, "--seed", "N", o.shot.traced.seed, seed, "Another seed is another noise pattern [0]").group(group);
-  add_value(command, "--filter", "NAME", o.shot.traced.filter, parse_filter, "box, gaussian or blackman-harris [box]")
+  add_choice(command, "--filter", "NAME", o.shot.traced.filter, kFilters, "box, gaussian or blackman-harris [box]")
       .group(group);
-  add_value(command, "--integrator", "NAME", o.shot.traced.integrator, parse_integrator,
-            "full; minimal: the same mean by following the material alone; surfaces: likewise, without bodies [full]")
+  add_choice(command, "--integrator", "NAME", o.shot.traced.integrator, kIntegrators,
+             "full; minimal: the same mean by following the material alone; surfaces: likewise, without bodies [full]")
       .group(group);
   add_value(command, "--clamp", "X", o.shot.traced.clamp, number_within(1e-6f, 1e30f),
             "Cut a sample's indirect light at radiance X: fewer bright dots, some light lost [not at all]")
@@ -144,6 +168,7 @@ void add_sampling(Command& command, RenderOptions& o) {
   };
   add_value(command, "--shading", "MODEL", o.shot.shading_name, shading,
             "candela, gltf, ue4, learnopengl, thesis or blinn-phong, and terms: ue4,d=beckmann,diffuse=eon [candela]")
+      .choices_of_list(shading_words())
       .group(group);
 }
 
@@ -174,8 +199,8 @@ void add_running(Command& command, RenderOptions& o) {
   add_value(command, "--threads", "N", o.threads, count_within(0, 1024),
             "0 is all; the picture does not depend on it [0]")
       .group(group);
-  add_value(command, "--engine", "path|raster", o.shot.engine, parse_engine,
-            "path, the path tracer; raster, OpenGL: a frame in a moment, with or without a GPU [path]")
+  add_choice(command, "--engine", "path|raster", o.shot.engine, kEngines,
+             "path, the path tracer; raster, OpenGL: a frame in a moment, with or without a GPU [path]")
       .group(group);
   const auto file_name = [](const std::string& value) {
     if (value.empty()) throw UsageError("the name is empty");
@@ -219,6 +244,7 @@ void add_raster(Command& command, RenderOptions& o) {
   };
   add_value(command, "--view", "NAME", o.shot.drawn.quantity, quantity,
             "One quantity in place of all light: normal, base-color, roughness, specular, light:0, … [light]")
+      .choices(quantity_words())
       .group(group);
   add_drawing_options(command, o.shot, o.keeps_cache, group);
 }
@@ -520,8 +546,8 @@ void add_drawing_options(Command& command, Shot& shot, bool& keeps_cache, const 
   add_value(command, "--light-radius", "M", shot.drawn.light_radius, number_within(0.0f, 1e6f),
             "The same for points and spots, as if they were balls so large [0: hard]")
       .group(group);
-  add_value(command, "--ambient", "KIND", shot.drawn.ambient, parse_ambient,
-            "Light from far away: baked, or for comparison harmonics, mips, constant, none [baked]")
+  add_choice(command, "--ambient", "KIND", shot.drawn.ambient, kAmbients,
+             "Light from far away: baked, or for comparison harmonics, mips, constant, none [baked]")
       .group(group);
   add_value(command, "--probes", "N", shot.probes, count_within(0, 64),
             "Light from within the scene, path traced at N places, in place of that from far away [0]")
@@ -545,6 +571,7 @@ void add_light_options(Command& command, RenderOptions& o) {
   add_value(command, "--env", "FILE|NAME", o.shot.environment, text,
             "An .exr (:LAYER) or .hdr, a cube map, or studio, studio:dark, studio:three-point, sky, sky:DEG, furnace, "
             "none [the scene's wish, else studio]")
+      .choices(environment_words())
       .group(group);
   add_value(command, "--sun-elevation", "DEG", o.sun_elevation, number_within(-5.0f, 90.0f),
             "Height of the sun: short for --env sky:DEG")
@@ -557,6 +584,7 @@ void add_light_options(Command& command, RenderOptions& o) {
       .group(group);
   add_value(command, "--light-falloff", "KIND", o.shot.falloff, parse_falloff,
             "Of every point and spot: gltf, inverse-square, ue4 or polynomial[:A0,A1,A2] [each light's own]")
+      .choices(names_of(kFalloffs))
       .group(group);
 }
 
@@ -569,8 +597,10 @@ void finish_light_options(RenderOptions& o) {
 }
 
 void add_render_options(Command& command, RenderOptions& options) {
-  command.texts("SCENE", options.scenes,
-                "A file (" + kSceneFiles + ") or a built-in demo:NAME; several, or folders to search, with -o DIR");
+  command
+      .texts("SCENE", options.scenes,
+             "A file (" + kSceneFiles + ") or a built-in demo:NAME; several, or folders to search, with -o DIR")
+      .choices(demo_words());
   add_picture(command, options);
   add_sampling(command, options);
   add_camera_options(command, options);

@@ -52,17 +52,6 @@ std::vector<float> number_list(std::string_view text) {
   return values;
 }
 
-template <class T, std::size_t n>
-T one_of(const std::string& text, const std::array<std::pair<std::string_view, T>, n>& choices) {
-  std::string known;
-  for (const auto& [name, value] : choices) {
-    if (text == name) return value;
-    known += known.empty() ? "" : ", ";
-    known += name;
-  }
-  throw UsageError(fmt::format("'{}' is none of {}", text, known));
-}
-
 /// IEC 61966-2-1.
 float srgb_to_linear(float encoded) {
   return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
@@ -249,20 +238,6 @@ std::set<Layer> parse_layers(const std::string& text) { return parse_set(text, p
 
 std::set<MatteKind> parse_mattes(const std::string& text) { return parse_set(text, parse_matte_kind); }
 
-path::PixelFilter parse_filter(const std::string& text) {
-  using enum path::PixelFilter;
-  return one_of(text, std::array<std::pair<std::string_view, path::PixelFilter>, 3>{
-                          {{"box", box}, {"gaussian", gaussian}, {"blackman-harris", blackman_harris}}});
-}
-
-path::Integrator parse_integrator(const std::string& text) {
-  using enum path::Integrator;
-  std::array<std::pair<std::string_view, path::Integrator>, 3> names;
-  std::size_t at = 0;
-  for (const path::Integrator i : {full, minimal, surfaces}) names[at++] = {path::integrator_name(i), i};
-  return one_of(text, names);
-}
-
 shade::ShadingModel parse_shading(const std::string& text) {
   try {
     return parse_shading_model(text);
@@ -271,31 +246,16 @@ shade::ShadingModel parse_shading(const std::string& text) {
   }
 }
 
-Engine parse_engine(const std::string& text) {
-  return one_of(
-      text, std::array<std::pair<std::string_view, Engine>, 2>{{{"path", Engine::path}, {"raster", Engine::raster}}});
-}
-
-raster::Ambient parse_ambient(const std::string& text) {
-  using enum raster::Ambient;
-  return one_of(
-      text, std::array<std::pair<std::string_view, raster::Ambient>, 5>{
-                {{"baked", baked}, {"harmonics", harmonics}, {"mips", mips}, {"constant", constant}, {"none", none}}});
-}
-
 FalloffChoice parse_falloff(const std::string& text) {
-  using enum Falloff;
   constexpr std::string_view kPolynomial = "polynomial:";
   if (text.starts_with(kPolynomial)) {
     const vec3 a = parse_vec3(text.substr(kPolynomial.size()));
     if (glm::any(glm::lessThan(a, vec3(0.0f))) || !(max_component(a) > 0.0f)) {
       throw UsageError("the coefficients must not be negative, nor all 0");
     }
-    return {polynomial, a};
+    return {Falloff::polynomial, a};
   }
-  return {one_of(text,
-                 std::array<std::pair<std::string_view, Falloff>, 4>{
-                     {{"gltf", gltf}, {"inverse-square", inverse_square}, {"ue4", ue4}, {"polynomial", polynomial}}})};
+  return {one_of(text, kFalloffs)};
 }
 
 BackgroundChoice parse_background(const std::string& text) {

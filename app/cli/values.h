@@ -1,10 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "candela/shot.h"
@@ -16,6 +19,37 @@ namespace candela::cli {
 class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+/// The words that an option takes, and what each means.
+template <class T, std::size_t n>
+using Words = std::array<std::pair<std::string_view, T>, n>;
+
+template <class T, std::size_t n>
+T one_of(const std::string& text, const Words<T, n>& words) {
+  std::string known;
+  for (const auto& [word, value] : words) {
+    if (text == word) return value;
+    known += (known.empty() ? "" : ", ") + std::string(word);
+  }
+  throw UsageError("'" + text + "' is none of " + known);
+}
+
+inline constexpr Words<Engine, 2> kEngines{{{"path", Engine::path}, {"raster", Engine::raster}}};
+inline constexpr Words<path::PixelFilter, 3> kFilters{{{"box", path::PixelFilter::box},
+                                                       {"gaussian", path::PixelFilter::gaussian},
+                                                       {"blackman-harris", path::PixelFilter::blackman_harris}}};
+inline constexpr Words<path::Integrator, 3> kIntegrators{{{"full", path::Integrator::full},
+                                                          {"minimal", path::Integrator::minimal},
+                                                          {"surfaces", path::Integrator::surfaces}}};
+inline constexpr Words<raster::Ambient, 5> kAmbients{{{"baked", raster::Ambient::baked},
+                                                      {"harmonics", raster::Ambient::harmonics},
+                                                      {"mips", raster::Ambient::mips},
+                                                      {"constant", raster::Ambient::constant},
+                                                      {"none", raster::Ambient::none}}};
+inline constexpr Words<Falloff, 4> kFalloffs{{{"gltf", Falloff::gltf},
+                                              {"inverse-square", Falloff::inverse_square},
+                                              {"ue4", Falloff::ue4},
+                                              {"polynomial", Falloff::polynomial}}};
 
 /// A finite number within [low, high].
 float parse_number(const std::string& text, float low, float high);
@@ -33,8 +67,6 @@ Orbit parse_orbit(const std::string& text);          ///< "azimuth,elevation[,di
 std::vector<std::string> parse_names(const std::string& text);  ///< "a,b,c", none of them empty
 std::set<Layer> parse_layers(const std::string& text);
 std::set<MatteKind> parse_mattes(const std::string& text);
-path::PixelFilter parse_filter(const std::string& text);
-path::Integrator parse_integrator(const std::string& text);
 shade::ShadingModel parse_shading(const std::string& text);
 
 struct BackgroundChoice {
@@ -46,10 +78,7 @@ struct BackgroundChoice {
 BackgroundChoice parse_background(const std::string& text);
 /// Whether glass shows the environment.
 bool parse_glass(const std::string& text);
-GroundChoice parse_ground(const std::string& text);  ///< "shadow", "mirror:X", a colour, or "COLOUR+mirror:X"
-Engine parse_engine(const std::string& text);
-raster::Ambient parse_ambient(const std::string& text);
-
+GroundChoice parse_ground(const std::string& text);    ///< "shadow", "mirror:X", a colour, or "COLOUR+mirror:X"
 FalloffChoice parse_falloff(const std::string& text);  ///< a kind, or "polynomial:a0,a1,a2"
 
 /// Metres, or empty for "auto".

@@ -24,6 +24,7 @@ Verb add_diff(Command& command);
 Verb add_compare(Command& command);
 Verb add_view(Command& command);
 Verb add_figures(Command& command);
+Verb add_completion(Command& command);
 
 struct VerbInfo {
   std::string_view name;
@@ -45,6 +46,7 @@ inline constexpr auto kVerbs = std::to_array<VerbInfo>({
     {"compare", "Measure how far the real-time frame is from the truth, and why", add_compare},
     {"view", "Show a scene in a window, drawn in real time", add_view},
     {"figures", "Make the figures of physically based shading, as pages to read", add_figures},
+    {"completion", "Scripts for shells that complete what is typed, and the manual", add_completion},
 });
 
 /// Writes `text` to standard output; throws Error where that fails (a full disk behind a redirection).

@@ -12,10 +12,13 @@ namespace fs = std::filesystem;
 
 Verb add_view(Command& command) {
   const auto options = std::make_shared<ViewOptions>();
-  command.text("SCENE", options->scene, "A file (" + kSceneFiles + ") or a built-in demo:NAME").required();
+  command.text("SCENE", options->scene, "A file (" + kSceneFiles + ") or a built-in demo:NAME")
+      .choices(demo_words())
+      .required();
   add_value(
       command, "--env", "FILE|NAME", options->environment, [](const std::string& value) { return value; },
-      "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, furnace, none [the scene's wish, else studio]");
+      "An .exr (:LAYER) or .hdr, a cube map, or studio, sky, furnace, none [the scene's wish, else studio]")
+      .choices(environment_words());
   add_value(command, "--size", "WxH", options->size, parse_size, "Of the window, pixels [1280x720]");
   const auto folder = [](const std::string& value) {
     if (!fs::is_directory(value)) throw UsageError("is no folder: " + value);

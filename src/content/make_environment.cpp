@@ -54,7 +54,8 @@ Environment load_environment(const std::string& path, Diagnostics* diagnostics) 
 }  // namespace
 
 std::span<const std::string> built_in_environments() {
-  static const std::array<std::string, 5> names{"studio", "sky", "sky:DEG", "furnace", "none"};
+  static const std::array<std::string, 7> names{"studio",  "studio:dark", "studio:three-point", "sky", "sky:DEG",
+                                                "furnace", "none"};
   return names;
 }
 

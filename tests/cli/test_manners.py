@@ -111,7 +111,7 @@ class Pictures(CliTest):
 
 class Names(CliTest):
     def test_an_unknown_environment_lists_those_there_are(self):
-        says = "studoi: is neither a file nor one of studio, sky, sky:DEG, furnace, none: did you mean studio"
+        says = "studoi: is neither a file nor one of studio, studio:dark, studio:three-point, sky, sky:DEG, furnace, none: did you mean studio"
         self.fails(*SPHERES, *TINY, "--env", "studoi", says=says)
         self.fails("bake", "studoi", "-o", "out", says=says)
         self.fails(*SPHERES, *TINY, "--env", "beach", says="beach: is neither a file nor one of studio.*none$")
