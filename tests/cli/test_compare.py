@@ -13,6 +13,7 @@ from test_raster import RasterTest
 QUICK = ("--spp", "16", "--frames", "4", "-q")
 METALS = ("demo:row-roughness-metal", "--size", "240x48", *QUICK)
 BALLS = ("demo:row-roughness", "--size", "240x48", *QUICK)
+PLAIN = (*BALLS, "--no-suspects")
 
 
 class Compare(RasterTest):
@@ -23,7 +24,7 @@ class Compare(RasterTest):
         return json.loads(self.draws("compare", *arguments, "--json").out)["views"]
 
     def test_a_folder_has_the_page_the_numbers_and_both_pictures(self):
-        text = self.draws("compare", *BALLS, "-o", "gap", "--exposure", "0").out
+        text = self.draws("compare", *PLAIN, "-o", "gap", "--exposure", "0").out
         self.assertRegex(text, r"the view: FLIP 0\.\d{4}")
         self.assertIn("What hides the environment", text)
         self.assertEqual(self.files_of("gap"), ["frame.exr", "gap.json", "index.html", "truth.exr"])
@@ -37,30 +38,30 @@ class Compare(RasterTest):
         self.assertLess(abs(pair["flip"] - view["flip"]), 0.001)
 
     def test_a_limit_decides_the_exit_code(self):
-        self.draws("compare", *BALLS, "--max-flip", "1")
-        result = self.run_candela("compare", *BALLS, "--max-flip", "0.001", "-o", "gap.html", env=self.environment)
+        self.draws("compare", *PLAIN, "--max-flip", "1")
+        result = self.run_candela("compare", *PLAIN, "--max-flip", "0.001", "-o", "gap.html", env=self.environment)
         self.assertEqual(result.code, 1)
         self.assertRegex(result.err, r"^candela: demo:row-roughness: FLIP 0\.\d+ is above 0\.001 \(--max-flip\)\n$")
         self.assertIn('class="beyond"', (self.folder / "gap.html").read_text())
 
     def test_several_views_are_named_and_each_has_its_pictures(self):
-        views = self.views(*METALS, "--views", "front,top", "-o", "gap")
+        views = self.views(*PLAIN, "--views", "front,top", "-o", "gap")
         self.assertEqual([v["view"] for v in views], ["front", "top"])
         self.assertEqual(self.files_of("gap"), ["frame-000.exr", "frame-001.exr", "gap.json", "index.html",
                                              "truth-000.exr", "truth-001.exr"])
 
     def test_bad_input_is_one_line(self):
         self.fails("compare", "absent.glb", says="absent.glb")
-        self.fails("compare", *BALLS, "--env", "absent.hdr", says="absent.hdr")
-        self.fails("compare", *BALLS, "-o", "/proc/absent/x.html", says="/proc/absent")
+        self.fails("compare", *PLAIN, "--env", "absent.hdr", says="absent.hdr")
+        self.fails("compare", *PLAIN, "-o", "/proc/absent/x.html", says="/proc/absent")
         (self.folder / "a").mkdir()
         (self.folder / "a/t.glb").write_bytes(candela.triangle_glb())
         self.fails("compare", "a/t.glb", *QUICK, "-o", "a", says="t.glb")
 
     def test_wrong_usage(self):
-        self.refuses("compare", *BALLS, "--spp", "1", says="--spp")
-        self.refuses("compare", *BALLS, "--background", "transparent", says="--background")
-        self.refuses("compare", *BALLS, "--orbit", "1,2", "--views", "front", says="--views|--orbit")
+        self.refuses("compare", *PLAIN, "--spp", "1", says="--spp")
+        self.refuses("compare", *PLAIN, "--background", "transparent", says="--background")
+        self.refuses("compare", *PLAIN, "--orbit", "1,2", "--views", "front", says="--views|--orbit")
 
 
 class Against(RasterTest):
@@ -73,13 +74,13 @@ class Against(RasterTest):
         return json.loads(out)["views"][0]
 
     def test_the_truth_itself_differs_by_noise_alone(self):
-        self.draws("render", "demo:row-metallic", "--size", "240x48", "--spp", "1024", "--seed", "9", "-q",
+        self.draws("render", "demo:row-metallic", "--size", "240x48", "--spp", "512", "--seed", "9", "-q",
                    "-o", "t.exr", "-o", "t.png")
         for name, values in (("t.exr", "linear"), ("t.png", "display")):
-            view = self.judge(name, samples=64)
+            view = self.judge(name, samples=32)
             self.assertEqual(view["match"]["values"], values)
             self.assertEqual(view["match"]["shift"], [0, 0])
-            self.assertLess(view["relative_l2"], 0.035, name)
+            self.assertLess(view["relative_l2"], 0.06, name)
             self.assertEqual(view["causes"], [])
             self.assertGreater(len(view["materials"]), 3)
 

@@ -34,7 +34,7 @@ const CauseGap* cause_of(const ViewGap& gap, GapCause cause) {
 }
 
 TEST(unit_gap, causes_add_up_to_the_difference_in_every_pixel) {
-  for (const char* scene : {"demo:cornell", "demo:row-subsurface", "demo:row-emission"}) {
+  for (const char* scene : {"demo:cornell", "demo:row-subsurface"}) {
     Shot shot = shot_of(scene, {48, 24});
     shot.drawn.occlusion_radius = 0.05f;
     shot.environment = "sky";
