@@ -10,7 +10,7 @@ usage: tools/run_dockerfile.sh [--keep] [--ccache DIR] [--packages DIR] [ARGUMEN
   --keep           leave the folders behind, and say where they are
   --ccache DIR     keep what is compiled there, for the next run
   --packages DIR   put the packages that it makes there, too
-  ARGUMENT         of the image's program, which is run with DIR, or an empty folder, as /work [--version]
+  ARGUMENT         of the image's program, which is run with DIR, or an empty folder, as /data [--version]
 
 Needs root, debootstrap, about 5 GB in TMPDIR (/var/tmp), the network and a quarter of an hour. Logs go to stderr.
 TEXT

@@ -54,7 +54,7 @@ it_is_true() {
 }
 
 # Commands in the folder at hand, as a user with an empty folder would give them.
-here() { in_root "$root" DEBIAN_FRONTEND=noninteractive sh -euc 'mkdir -p /work; cd /work; eval "$1"' sh "$1"; }
+here() { in_root "$root" DEBIAN_FRONTEND=noninteractive sh -euc 'mkdir -p /data; cd /data; eval "$1"' sh "$1"; }
 says() { here "$1" 2>&1 | grep -q -- "$2"; }
 is_absent() { [ -z "$(find "$root" -mindepth 1 -xdev -path "$root/tmp" -prune -o -iname '*candela*' -print)" ]; }
 size_of() { du -sm -x "$root" | cut -f 1; }
@@ -95,7 +95,7 @@ it_is_true "apt installs the library with what find_package(candela) looks for" 
 cp -R "$repository/examples" "$root/tmp/examples"
 it_is_true "the examples build against it" here "cmake -S /tmp/examples -B /tmp/built -DCMAKE_BUILD_TYPE=Release && cmake --build /tmp/built"
 it_is_true "and make a picture" here "/tmp/built/render_gltf demo:spheres c.png && candela info c.png"
-it_is_true "apt removes both" here "apt-get purge -y -q candela libcandela-dev && rm -rf /work ~/.cache/candela"
+it_is_true "apt removes both" here "apt-get purge -y -q candela libcandela-dev && rm -rf /data ~/.cache/candela"
 it_is_true "and leaves no file of that name" is_absent
 
 echo "== $(basename "${portable[0]}")"
@@ -105,7 +105,7 @@ folder=$(cd "$root/opt" && echo candela-*)
 echo "        unpacked it takes $(du -sm "$root/opt" | cut -f 1) MB"
 it_is_true "it runs where nothing was installed" says "/opt/$folder/bin/candela --version" "^candela ${version%%-*}\$"
 it_is_true "through a link in PATH, it makes a picture" here "ln -s /opt/$folder/bin/candela /usr/local/bin/ && candela render demo:spheres -o a.png --size 64x48 --spp 4 && candela info a.png"
-it_is_true "from another place, too" here "mv /opt/$folder '/work/a place' && '/work/a place/bin/candela' render demo:spheres -o b.png --size 64x48 --spp 4"
-it_is_true "what is missing is said in one line" says "'/work/a place/bin/candela' render demo:spheres -o b.png --engine raster --size 64x48 || echo code \$?" "^code 1"
-it_is_true "each of its libraries has its licence" here 'test "$(ls "/work/a place/lib/candela" | wc -l)" -ge "$(ls "/work/a place/share/doc/candela/libraries" | wc -l)" && test -s "/work/a place/share/doc/candela/libraries/libtbb12"'
+it_is_true "from another place, too" here "mv /opt/$folder '/data/a place' && '/data/a place/bin/candela' render demo:spheres -o b.png --size 64x48 --spp 4"
+it_is_true "what is missing is said in one line" says "'/data/a place/bin/candela' render demo:spheres -o b.png --engine raster --size 64x48 || echo code \$?" "^code 1"
+it_is_true "each of its libraries has its licence" here 'test "$(ls "/data/a place/lib/candela" | wc -l)" -ge "$(ls "/data/a place/share/doc/candela/libraries" | wc -l)" && test -s "/data/a place/share/doc/candela/libraries/libtbb12"'
 exit $failed
