@@ -8,8 +8,6 @@
 
 #include "base/error.h"
 #include "candela/gap_parts.h"
-#include "image/flip.h"
-#include "scene/surface_layers.h"
 
 namespace candela {
 
@@ -137,14 +135,9 @@ void ViewMeasure::trace(Steps& steps) {
     path::Settings settings = truth_settings_;
     settings.samples = std::max(settings_.samples / 2, 1);
     settings.seed = truth_settings_.seed + static_cast<std::uint32_t>(h);
-    settings.layers = {Layer::material};
     const std::string what = h == 0 ? "truth" : "truth again";
-    Job job = steps.step(0.32, what);
-    path::Statistics statistics;
-    halves_[h].truth = of_.tracer.render(of_.view, settings, job, &statistics);
-    if (statistics.interrupted) throw Interrupted("the comparison is not complete");
+    halves_[h].truth = trace_half(of_.tracer, of_.view, settings, steps.step(0.32, what));
     settings.samples = std::max(settings.samples / 2, 1);
-    settings.layers.clear();
     halves_[h].direct = path::trace_direct_light(of_.tracer, of_.view, settings, steps.step(0.08, what));
   }
 }

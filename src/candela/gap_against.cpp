@@ -17,15 +17,15 @@ namespace {
 
 constexpr int kMostShift = 16;  // pixels: a picture further away is of another camera
 
-Image with_channels(const Image& image, int channels) {
-  Image result(image.width, image.height, channels);
+/// Four channels, no NaN.
+Image opaque(const Image& image) {
+  Image result(image.width, image.height, 4);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       const vec3 color = image.rgb(x, y);
-      result.set_rgb(x, y,
-                     {std::isfinite(color.x) ? color.x : 0.0f, std::isfinite(color.y) ? color.y : 0.0f,
-                      std::isfinite(color.z) ? color.z : 0.0f});
-      if (channels == 4) result.at(x, y)[3] = 1.0f;
+      const auto finite = [](float v) { return std::isfinite(v) ? v : 0.0f; };
+      result.set_rgb(x, y, {finite(color.x), finite(color.y), finite(color.z)});
+      result.at(x, y)[3] = 1.0f;
     }
   }
   return result;
@@ -153,14 +153,6 @@ float exposure_of(const Image& truth, const Image& picture, float start, ToneCur
   return start * std::exp2(best);
 }
 
-Film traced(const path::Tracer& tracer, const View& view, path::Settings settings, const Job& job) {
-  path::Statistics statistics;
-  settings.layers = {Layer::material};
-  Film film = tracer.render(view, settings, job, &statistics);
-  if (statistics.interrupted) throw Interrupted("the comparison is not complete");
-  return film;
-}
-
 }  // namespace
 
 ViewGap measure_against(const Shot& wished, const GapSettings& settings, const ImageName& name, const Job& job) {
@@ -182,7 +174,7 @@ ViewGap measure_against(const Shot& wished, const GapSettings& settings, const I
   const JobParts parts(job, kHalves);
   std::array<Film, kHalves> truths;
   for (std::size_t h = 0; h < kHalves; ++h) {
-    truths[h] = traced(tracer, view, half, parts.part(h, h == 0 ? "truth, " : "truth again, "));
+    truths[h] = trace_half(tracer, view, half, parts.part(h, h == 0 ? "truth, " : "truth again, "));
     ++half.seed;
   }
 
@@ -192,7 +184,7 @@ ViewGap measure_against(const Shot& wished, const GapSettings& settings, const I
   gap.match = GapMatch{.is_display = is_display_format(file.format)};
   gap.develop = pictures.develop();
   gap.develop.dither = false, gap.develop.bloom = 0.0f;
-  Image picture = with_channels(file.image, 4);
+  Image picture = opaque(file.image);
   for (const Film& truth : truths) accumulate(truth, 1.0f / kHalves, gap.truth);
   const float metered = metered_exposure(gap.truth);
   if (gap.match->is_display) {

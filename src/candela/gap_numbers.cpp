@@ -4,10 +4,19 @@
 #include <cmath>
 #include <map>
 
+#include "base/error.h"
 #include "candela/gap_parts.h"
 #include "scene/surface_layers.h"
 
 namespace candela {
+
+Film trace_half(const path::Tracer& tracer, const View& view, path::Settings settings, const Job& job) {
+  settings.layers = {Layer::material};
+  path::Statistics statistics;
+  Film film = tracer.render(view, settings, job, &statistics);
+  if (statistics.interrupted) throw Interrupted("the comparison is not complete");
+  return film;
+}
 
 std::vector<int> materials_seen(const Scene& scene, const Film& film) {
   std::map<int, int> by_number;

@@ -35,6 +35,9 @@ struct GapPixel {
 /// The shot of the truth. Throws Error for what cannot be compared.
 Shot comparable(Shot shot, const GapSettings& settings);
 
+/// One half of the truth, with Layer::material. Throws Interrupted where it is not whole.
+Film trace_half(const path::Tracer& tracer, const View& view, path::Settings settings, const Job& job);
+
 /// With weights, all plain.
 std::vector<GapPixel> weighted_pixels(const Image& truth, float exposure);
 /// The material at each pixel's centre, -1 where there is none, of a film with Layer::material.

@@ -39,19 +39,6 @@ struct DirectSample {
   }
 };
 
-/// What the shadow ray to a lamp meets.
-vec3 passing_to(const Geometry& geometry, const SurfacePoint& point, const LightSample& light) {
-  Ray shadow{point.ray_origin(light.direction), light.direction};
-  if (light.distance < kInfinity) {
-    const vec3 to_light = light.target - shadow.origin;
-    const float distance = glm::length(to_light);
-    if (!(distance > 0.0f)) return vec3(0.0f);
-    shadow.direction = to_light / distance;
-    shadow.t_max = distance * (1.0f - 1e-6f);
-  }
-  return geometry.transmittance(shadow);
-}
-
 /// A lamp chosen among all: of two ways to meet it the first.
 void sample_lamp(const PathContext& context, const SurfacePoint& point, bool is_body, const LightSample& light,
                  vec3 throughput, RayCounts& counts, DirectSample& sample) {
@@ -63,9 +50,11 @@ void sample_lamp(const PathContext& context, const SurfacePoint& point, bool is_
   const shade::SurfaceEval f = shade::surface_eval(point.surface, point.wo, wi);
   if (max_component(f.value) <= 0.0f) return;
   const float weight = light.is_delta ? 1.0f : mis_weight(light.pdf, f.pdf, light.mis_power);
+  const std::optional<Ray> shadow = shadow_ray(point.ray_origin(light.direction), light);
+  if (!shadow) return;
   ++counts.shadow;
   sample.of(light).add(throughput * f.value * context.lights.radiance(light) * (weight / light.pdf),
-                       passing_to(context.geometry, point, light));
+                       context.geometry.transmittance(*shadow));
 }
 
 /// Glowing surfaces along a ray that a surface's sample follows, those behind others too. `pdf` is that of its

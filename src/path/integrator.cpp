@@ -94,24 +94,17 @@ vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& 
   const shade::SurfaceEval f = shade::surface_eval(point.surface, point.wo, wi);
   if (max_component(f.value) <= 0.0f) return vec3(0.0f);
 
-  Ray shadow;
-  shadow.origin = point.ray_origin(light.direction);
+  vec3 origin = point.ray_origin(light.direction);
   vec3 transmittance(1.0f);
   if (!meeting.place.is_simple(!is_outside)) {
-    transmittance = meeting.place.transmittance(context.geometry, meeting.ray, meeting.hit, !is_outside,
-                                                light.direction, shadow.origin);
+    transmittance =
+        meeting.place.transmittance(context.geometry, meeting.ray, meeting.hit, !is_outside, light.direction, origin);
   }
-  shadow.direction = light.direction;
-  if (light.distance < kInfinity) {
-    const vec3 to_light = light.target - shadow.origin;
-    const float distance = glm::length(to_light);
-    if (!(distance > 0.0f)) return vec3(0.0f);
-    shadow.direction = to_light / distance;
-    shadow.t_max = distance * (1.0f - 1e-6f);
-  }
+  const std::optional<Ray> shadow = shadow_ray(origin, light);
+  if (!shadow) return vec3(0.0f);
   if (max_component(transmittance) > 0.0f) {
     ++counts.shadow;
-    transmittance *= context.geometry.transmittance(shadow);
+    transmittance *= context.geometry.transmittance(*shadow);
   }
   if constexpr (kHasMedia) transmittance *= walk.transmittance(crossing, !is_outside, light.distance);
   transmittance -= expected_share(light, is_seen_ground);

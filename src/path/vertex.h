@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "path/integrator.h"
 #include "path/surface_point.h"
 
@@ -21,6 +23,20 @@ inline float emission_weight(const PathContext& context, const Hit& hit, const S
   const float distance = glm::length(point.position - origin);
   const float pdf = context.lights.triangle_pdf(first + static_cast<int>(hit.triangle), chances, distance, cos_light);
   return mis_weight(bsdf_pdf, pdf, kAreaMisPower);
+}
+
+/// The way from `origin` to a lamp. Empty where they are at one place.
+inline std::optional<Ray> shadow_ray(vec3 origin, const LightSample& light) {
+  Ray shadow;
+  shadow.origin = origin;
+  shadow.direction = light.direction;
+  if (light.distance == kInfinity) return shadow;
+  const vec3 to_light = light.target - origin;
+  const float distance = glm::length(to_light);
+  if (!(distance > 0.0f)) return std::nullopt;
+  shadow.direction = to_light / distance;
+  shadow.t_max = distance * (1.0f - 1e-6f);
+  return shadow;
 }
 
 /// What the eye looks along ends at its far plane; light has no end.
