@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "content/demo_scenes.h"
 #include "content/make_environment.h"
-#include "image/metrics.h"
 #include "scene/environment.h"
 
 namespace candela::figures {
@@ -24,6 +23,10 @@ std::string_view chapter_title(Chapter chapter) {
 
 std::vector<FigureInfo> figures() {
   std::vector<FigureInfo> list;
+  add_sketch_figures(list);
+  add_surface_figures(list);
+  add_sampling_figures(list);
+  add_surroundings_figures(list);
   add_facet_figures(list);
   add_fresnel_figures(list);
   add_sphere_figures(list);
@@ -33,6 +36,8 @@ std::vector<FigureInfo> figures() {
   add_camera_figures(list);
   add_model_figures(list);
   add_parameter_figures(list);
+  std::stable_sort(list.begin(), list.end(),
+                   [](const FigureInfo& a, const FigureInfo& b) { return a.chapter < b.chapter; });
   return list;
 }
 
@@ -86,21 +91,28 @@ std::optional<Film> FigureContext::draw(const Scene& scene, const Environment& e
 
 namespace {
 
-Image columns(const Image& image, int begin, int end) {
-  Image part(end - begin, image.height, 3);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = begin; x < end; ++x) part.set_rgb(x - begin, y, image.rgb(x, y));
-  }
-  return part;
+/// Where neither picture shows a surface in part.
+bool is_whole(const Image& image, int x, int y) {
+  if (image.channels < 4) return true;
+  const float alpha = image.at(x, y)[3];
+  constexpr float kRounding = 1e-4f;
+  return alpha < kRounding || alpha > 1.0f - kRounding;
 }
 
 }  // namespace
 
 double relative_error(const Image& image, const Image& reference, int begin, int end) {
   const int last = end > 0 ? end : reference.width;
-  const Image truth = columns(reference, begin, last);
-  const double power = mse(Image(truth.width, truth.height, 3), truth);
-  return power > 0.0 ? std::sqrt(mse(columns(image, begin, last), truth) / power) : 0.0;
+  double error = 0.0, power = 0.0;
+  for (int y = 0; y < reference.height; ++y) {
+    for (int x = begin; x < last; ++x) {
+      if (!is_whole(image, x, y) || !is_whole(reference, x, y)) continue;
+      const dvec3 truth(reference.rgb(x, y)), off = dvec3(image.rgb(x, y)) - truth;
+      error += glm::dot(off, off);
+      power += glm::dot(truth, truth);
+    }
+  }
+  return power > 0.0 ? std::sqrt(error / power) : 0.0;
 }
 
 std::string percent_text(double share) {

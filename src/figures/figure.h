@@ -106,7 +106,8 @@ class FigureContext {
 // ----- what most figures need
 
 /// Root of the mean squared difference over the root mean square of the reference, over the colour channels of columns
-/// [begin, end); end 0 = all.
+/// [begin, end); end 0 = all. Pixels that a surface covers in part in either picture, by their alpha, do not count: how
+/// edges are smoothed is another matter.
 double relative_error(const Image& image, const Image& reference, int begin = 0, int end = 0);
 /// "12 %", "3.2 %", "0.054 %", "< 0.01 %".
 std::string percent_text(double share);
@@ -141,6 +142,11 @@ void add_integral_figures(std::vector<FigureInfo>& list);
 void add_image_light_figures(std::vector<FigureInfo>& list);
 void add_camera_figures(std::vector<FigureInfo>& list);
 void add_model_figures(std::vector<FigureInfo>& list);
+/// Of several chapters: drawings by hand, terms and models on balls, points, environments and the parts of a picture.
+void add_sketch_figures(std::vector<FigureInfo>& list);
+void add_surface_figures(std::vector<FigureInfo>& list);
+void add_sampling_figures(std::vector<FigureInfo>& list);
+void add_surroundings_figures(std::vector<FigureInfo>& list);
 void add_parameter_figures(std::vector<FigureInfo>& list);
 
 }  // namespace candela::figures

@@ -24,6 +24,16 @@ void forget_pixels(Figure& figure) {
   }
 }
 
+/// Whichever others are made.
+int number_in_chapter(const std::vector<FigureInfo>& all, const FigureInfo& figure) {
+  int number = 1;
+  for (const FigureInfo& info : all) {
+    if (info.name == figure.name) break;
+    number += info.chapter == figure.chapter ? 1 : 0;
+  }
+  return number;
+}
+
 std::size_t write_parameter_pages(const std::filesystem::path& folder, const std::vector<PageFigure>& made,
                                   const std::string& note) {
   std::vector<const PageFigure*> pages;
@@ -64,6 +74,7 @@ BookResult write_figures(const std::filesystem::path& folder, const std::vector<
   FigureContext context(settings, {.stop = job.stop, .diagnostics = job.diagnostics});
   const Stopwatch watch;
   std::vector<PageFigure> made;
+  const std::vector<FigureInfo> all = figures();
   for (std::size_t i = 0; i < chosen.size() && !result.stopped; ++i) {
     job.report({.fraction = static_cast<double>(i) / static_cast<double>(chosen.size()),
                 .seconds = watch.seconds(),
@@ -74,8 +85,7 @@ BookResult write_figures(const std::filesystem::path& folder, const std::vector<
       for (const Panel& panel : page.figure.panels) write_panel(folder, panel);
       result.files += page.figure.panels.size();
       forget_pixels(page.figure);
-      const bool has_before = !made.empty() && made.back().info.chapter == page.info.chapter;
-      if (has_before) page.number = made.back().number + 1;
+      page.number = number_in_chapter(all, page.info);
       made.push_back(std::move(page));
     } catch (const Interrupted&) {
       result.stopped = true;

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "base/parallel.h"
 #include "content/demo_scenes.h"
 #include "figures/figure.h"
 #include "figures/plot.h"
+#include "figures/shaded_balls.h"
 #include "ibl/cube.h"
 #include "ibl/irradiance.h"
 #include "ibl/prefilter.h"
@@ -15,7 +15,6 @@
 #include "ibl/source.h"
 #include "ibl/tables.h"
 #include "ibl/verify.h"
-#include "scene/surface_params.h"
 #include "shade/image_light.glsl.h"
 
 // Light from an image: irradiance, prefiltered levels, and what is lost by each.
@@ -66,7 +65,7 @@ Figure irradiance_map(FigureContext& context) {
   tracing.background = Background::transparent;
   raster::Settings drawing;
   drawing.width = drawing.height = tracing.width;
-  drawing.frames = 4;
+  drawing.frames = 16;
   drawing.background = Background::transparent;
   const View view = sphere_view(1);
   const auto traced = [&](const char* environment) {
@@ -97,54 +96,6 @@ Figure irradiance_map(FigureContext& context) {
   figure.panels.push_back({"irradiance-map-truth.png", develop(truth, shown), "lamps and the room, path traced",
                            "the measure of the others"});
   return figure;
-}
-
-// ----- a metal ball by its normal alone
-
-/// A point of a ball, with its directions in the world.
-struct BallPoint {
-  std::size_t ball;
-  shade::Surface surface;  ///< as seen
-  vec3 wo;                 ///< in its own frame; wo.z = n·v
-  vec3 normal;
-  vec3 mirrored;
-};
-using ShadePoint = std::function<vec3(const BallPoint&)>;
-
-/// Balls seen from the studio's camera, shaded point by point; premultiplied.
-Image shaded_row(const std::vector<Material>& materials, int side, const ShadePoint& shade_point) {
-  constexpr int kFine = 3;  // points per pixel and axis
-  const int count = static_cast<int>(materials.size());
-  Image image(side * count, side, 4);
-  const mat3 world_from_camera(sphere_view(1).world_from_camera);
-  parallel_for(0, static_cast<std::size_t>(side), 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      const int y = static_cast<int>(row);
-      for (int x = 0; x < image.width; ++x) {
-        const auto ball = static_cast<std::size_t>(x / side);
-        const shade::SurfaceParams params = surface_params(materials[ball], shade::shading_model_candela());
-        vec4 sum(0.0f);
-        for (int k = 0; k < kFine * kFine; ++k) {
-          const ivec2 fine(k % kFine, k / kFine);
-          const vec2 at(static_cast<float>(x % side) + (static_cast<float>(fine.x) + 0.5f) / kFine,
-                        static_cast<float>(y) + (static_cast<float>(fine.y) + 0.5f) / kFine);
-          vec2 p = (2.0f * at / static_cast<float>(side) - 1.0f) * (0.5f * kSphereSpacing);
-          p.y = -p.y;
-          const float r2 = glm::dot(p, p);
-          if (r2 >= 1.0f) continue;
-          const float mu = std::sqrt(1.0f - r2);
-          const vec3 n(p, mu), wo(std::sqrt(std::max(1.0f - mu * mu, 0.0f)), 0.0f, mu);
-          const vec3 mirrored = shade::microfacet_reflect(vec3(0, 0, 1), n);
-          sum += vec4(shade_point({ball, shade::surface_prepare(params, wo), wo, world_from_camera * n,
-                                   glm::normalize(world_from_camera * mirrored)}),
-                      1.0f);
-        }
-        sum /= static_cast<float>(kFine * kFine);
-        for (int c = 0; c < 4; ++c) image.at(x, y)[static_cast<std::size_t>(c)] = sum[c];
-      }
-    }
-  });
-  return image;
 }
 
 vec3 lookup_level(const Cubemap& cube, dvec3 direction, float level) {
@@ -214,23 +165,23 @@ Figure environment_mips(FigureContext& context) {
                            fmt::format("path traced, {} samples per pixel", settings.samples),
                            "the measure of the others", scale});
   add("environment-mips-dominant.png", "split sum, read where the lobe has its middle",
-      shaded_row(materials, side, [&](const BallPoint& p) {
+      shaded_balls(materials, side, [&](const BallPoint& p) {
         const dvec3 dominant(shade::image_light_dominant(p.normal, p.mirrored, p.surface.alpha));
         return ibl::cube_lookup(filtered[p.ball], dominant) * shade::surface_shares(p.surface, p.wo).specular;
       }));
   add("environment-mips-split-sum.png",
       "split sum: prefiltered by the lobe, read in the mirror direction, times the table",
-      shaded_row(materials, side, [&](const BallPoint& p) {
+      shaded_balls(materials, side, [&](const BallPoint& p) {
         return ibl::cube_lookup(filtered[p.ball], dvec3(p.mirrored)) * shade::surface_shares(p.surface, p.wo).specular;
       }));
   add("environment-mips.png", "environment mips by roughness, times Schlick’s curve",
-      shaded_row(materials, side, [&](const BallPoint& p) {
+      shaded_balls(materials, side, [&](const BallPoint& p) {
         const float level = shade::image_light_level(p.surface.alpha, static_cast<float>(mips.levels.size()));
         return lookup_level(mips, dvec3(p.mirrored), level) *
                shade::fresnel_schlick(p.surface.f0_metal, vec3(1.0f), p.wo.z);
       }));
   add("environment-mips-constant.png", "constant ambient light: the mean of the environment",
-      shaded_row(materials, side, [&](const BallPoint& p) { return mean * p.surface.f0_metal; }));
+      shaded_balls(materials, side, [&](const BallPoint& p) { return mean * p.surface.f0_metal; }));
   return figure;
 }
 

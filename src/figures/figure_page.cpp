@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "figures/markup.h"
+#include "figures/symbols.h"
 
 namespace candela::figures {
 
@@ -22,6 +23,7 @@ body { margin: 0 auto; padding: 2rem 1.2rem 5rem; max-width: 74rem; color: var(-
 a { color: var(--link); text-decoration-thickness: 1px; text-underline-offset: .15em; }
 h1 { font-size: clamp(1.7rem, 5vw, 2.6rem); line-height: 1.15; margin: 0 0 .6rem; letter-spacing: -.01em; }
 h2 { font-size: 1.55rem; margin: 4.5rem 0 0; padding-top: .8rem; border-top: 3px solid var(--ink); }
+h2 .up { font-size: .9rem; font-weight: 400; float: right; margin-top: .5em; }
 h3 { font-size: 1.2rem; margin: 0 0 .4rem; }
 h3 a { color: inherit; text-decoration: none; }
 h3 span { color: var(--soft); font-weight: 400; margin-right: .5em; }
@@ -33,8 +35,9 @@ nav ol ul { list-style: none; margin: .2rem 0 0; padding: 0; font-size: .94rem; 
 nav b a { color: inherit; }
 figure.entry { margin: 2.6rem 0 0; }
 .formulas { background: var(--card); border-radius: 6px; padding: .55rem 1rem; margin: .2rem 0 1rem; overflow-x: auto; }
-.formulas div { display: flex; flex-wrap: wrap; justify-content: center; gap: 0 2.4rem; }
-.formulas math { width: auto; font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", math, serif; font-size: 1.15rem; margin: .5rem 0; }
+.formulas div { display: flex; flex-wrap: wrap; gap: 0 2.4rem; }
+.formulas math { width: auto; font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", math, serif; font-size: 1.15rem; margin: .5rem auto; }
+.symbols { margin: -.6rem 0 1rem; }
 .panels { display: grid; gap: 1.2rem 1.6rem; grid-template-columns: 1fr; margin: .6rem 0 .8rem; align-items: start; }
 @media (min-width: 46rem) { .two, .three { grid-template-columns: 1fr 1fr; } }
 @media (min-width: 66rem) { .three { grid-template-columns: 1fr 1fr 1fr; } }
@@ -45,6 +48,9 @@ figure.entry { margin: 2.6rem 0 0; }
 .panel img.photo { border-radius: 3px; }
 .panel p { margin: .35rem 0 0; font-size: .92rem; line-height: 1.4; color: var(--soft); }
 .panel p b { color: var(--ink); font-variant-numeric: tabular-nums; }
+.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(max(5.2rem, 100% / (var(--n) + .5)), 1fr)); gap: 0 0; }
+.row div { min-width: 0; max-width: 12rem; text-align: center; font-size: .88rem; color: var(--soft); font-variant-numeric: tabular-nums; }
+.row img { width: 100%; aspect-ratio: 1; object-fit: cover; }
 .scale { display: flex; font-size: clamp(.5rem, 1.55vw, .88rem); color: var(--soft); font-variant-numeric: tabular-nums;
   padding-top: .2rem; }
 .scale span { flex: 1 1 0; text-align: center; min-width: 0; white-space: nowrap; }
@@ -87,10 +93,30 @@ std::string image_element(const Panel& panel) {
                      size);
 }
 
+/// Whether a picture is squares beside each other, each with a text of its own.
+bool is_row(const Panel& panel) {
+  const auto* image = std::get_if<DisplayImage>(&panel.content);
+  return image != nullptr && panel.scale.size() > 1 &&
+         image->width == image->height * static_cast<int>(panel.scale.size());
+}
+
+/// A row whose squares stand below each other where there is no room: each is the picture with the others cut off.
+std::string row_html(const Panel& panel) {
+  const std::size_t count = panel.scale.size();
+  std::string html = fmt::format("<div class=\"row\" style=\"--n: {}\">", count);
+  for (std::size_t i = 0; i < count; ++i) {
+    html +=
+        fmt::format("<div><img src=\"{}\" alt=\"{}\" style=\"object-position: {:.5g}% 0\" loading=\"lazy\">{}</div>",
+                    escaped(panel.file), i == 0 ? escaped(panel.caption) : "",
+                    100.0 * static_cast<double>(i) / static_cast<double>(count - 1), escaped(panel.scale[i]));
+  }
+  return html + "</div>\n";
+}
+
 std::string panel_html(const Panel& panel) {
-  std::string html =
-      fmt::format("<div class=\"panel{}\">\n", panel.is_wide ? " wide" : "") + image_element(panel) + "\n";
-  if (!panel.scale.empty()) {
+  std::string html = fmt::format("<div class=\"panel{}\">\n", panel.is_wide ? " wide" : "");
+  html += is_row(panel) ? row_html(panel) : image_element(panel) + "\n";
+  if (!panel.scale.empty() && !is_row(panel)) {
     html += "<div class=\"scale\">";
     for (const std::string& label : panel.scale) html += "<span>" + escaped(label) + "</span>";
     html += "</div>\n";
@@ -137,6 +163,15 @@ std::string formula_line(const std::string& formulas) {
   return html + "</div>\n";
 }
 
+/// What the letters of these formulas stand for.
+std::string symbols_html(const std::vector<std::string>& formulas) {
+  std::string html;
+  for (const Symbol& symbol : symbols_in(formulas)) {
+    html += (html.empty() ? "" : " · ") + mathml(symbol.formula) + " " + escaped(symbol.words);
+  }
+  return html.empty() ? "" : "<p class=\"soft symbols\">" + html + "</p>\n";
+}
+
 /// Text, formulas, panels, table, and where they come from.
 std::string content_html(const PageFigure& page) {
   const Figure& figure = page.figure;
@@ -145,7 +180,7 @@ std::string content_html(const PageFigure& page) {
   if (!figure.formulas.empty()) {
     html += "<div class=\"formulas\">\n";
     for (const std::string& formula : figure.formulas) html += formula_line(formula);
-    html += "</div>\n";
+    html += "</div>\n" + symbols_html(figure.formulas);
   }
   const char* const columns = figure.columns == 3 ? " three" : figure.columns == 2 ? " two" : "";
   html += fmt::format("<div class=\"panels{}\">\n", columns);
@@ -163,7 +198,7 @@ std::string content_html(const PageFigure& page) {
 std::string chapter_id(Chapter chapter) { return fmt::format("chapter-{}", static_cast<int>(chapter) + 1); }
 
 std::string contents_html(const std::vector<PageFigure>& figures) {
-  std::string html = "<nav aria-label=\"Contents\">\n<ol>\n";
+  std::string html = "<nav id=\"contents\" aria-label=\"Contents\">\n<ol>\n";
   const PageFigure* last = nullptr;
   for (const PageFigure& page : figures) {
     const Chapter chapter = page.info.chapter;
@@ -199,8 +234,8 @@ std::string index_html(const std::vector<PageFigure>& figures, const std::string
     const Chapter chapter = page.info.chapter;
     if (last == nullptr || last->info.chapter != chapter) {
       if (last != nullptr) html += "</section>\n";
-      html += fmt::format("<section>\n<h2 id=\"{}\">{}. {}</h2>\n", chapter_id(chapter), static_cast<int>(chapter) + 1,
-                          chapter_title(chapter));
+      html += fmt::format("<section>\n<h2 id=\"{}\">{}. {} <a class=\"up\" href=\"#contents\">↑ contents</a></h2>\n",
+                          chapter_id(chapter), static_cast<int>(chapter) + 1, chapter_title(chapter));
       if (chapter == Chapter::parameters) html += "<div class=\"gallery\">\n";
     }
     if (chapter == Chapter::parameters) {

@@ -7,7 +7,7 @@
 
 namespace candela::figures {
 
-/// A figure that was made, with its number within the chapter from 1.
+/// A figure that was made, with its number within the chapter of the whole book, from 1.
 struct PageFigure {
   FigureInfo info;
   Figure figure;

@@ -39,7 +39,7 @@ raster::Settings raster_settings(int width, int height) {
   raster::Settings settings;
   settings.width = width;
   settings.height = height;
-  settings.frames = 4;
+  settings.frames = 16;  // as many points of a pixel as the path tracer has, about
   settings.background = Background::transparent;
   settings.environment_in_glass = true;
   return settings;
@@ -61,11 +61,12 @@ void add_rows(FigureContext& context, Figure& figure, const std::string& name, c
                            scale});
   if (const std::optional<Film> drawn = context.draw(sphere_row(materials), context.environment("studio"),
                                                      sphere_view(count), raster_settings(side * count, side))) {
-    figure.panels.push_back({name + "-raster.png",
-                             develop(*drawn, shown),
-                             "in real time: prefiltered light, split sum; below each ball its relative RMS error",
-                             {},
-                             errors_of_each(*drawn, truth, count)});
+    figure.panels.push_back(
+        {name + "-raster.png",
+         develop(*drawn, shown),
+         "in real time: prefiltered light, split sum; below each ball its relative RMS error, without edges",
+         {},
+         errors_of_each(*drawn, truth, count)});
   } else {
     figure.left_out.emplace_back("the row in real time, which needs OpenGL");
   }

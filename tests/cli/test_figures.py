@@ -33,6 +33,17 @@ DOCUMENTS = {
     "inverse-square fall-off and its windows": "falloff",
     "Riemann sum against Monte Carlo": "riemann-monte-carlo",
     "N samples against the converged answer": "samples",
+    "an environment beside its irradiance map": "irradiance-pictures",
+    "the prefiltered chain as pictures": "prefiltered-chain",
+    "random against low-discrepancy points": "points",
+    "the grid of metallic and roughness": "metallic-roughness",
+    "D, G and F as shaded spheres": "facet-terms",
+    "facets and directions, sketched": "sketch-facets",
+    "radiance and the reflectance equation, sketched": "sketch-radiance",
+    "area lights": "area-lights",
+    "the diffuse models side by side": "diffuse-models",
+    "furnaces as pictures": "furnace-pictures",
+    "views that add up": "parts-of-a-picture",
 }
 VOID = {"meta", "img", "br"}
 
@@ -89,6 +100,16 @@ class Figures(CliTest):
             root = ElementTree.parse(svg).getroot()
             self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
             self.assertGreater(len(root.findall("{*}path")) + len(root.findall("{*}line")), 10)
+
+    def test_numbers_do_not_depend_on_what_else_is_made(self):
+        numbers = []
+        for only in ("geometry", "ndf-ggx,geometry", "sketch-facets,geometry-models,geometry"):
+            self.succeeds("figures", "-o", "out", "--only", only, "-q")
+            page = (self.folder / "out/index.html").read_text()
+            numbers.append(re.search(r'id="geometry">\s*<h3><a href="#geometry"><span>(\d\.\d+)</span>', page)[1])
+        self.assertEqual(len(set(numbers)), 1, numbers)
+        self.assertIn('href="#contents"', page, "a way back up")
+        self.assertIn('id="contents"', page)
 
     def test_nothing_comes_from_elsewhere(self):
         self.succeeds("figures", "-o", "out", "--only", "geometry,row-specular", "--quality", "draft", "--spp", "1", "-q")

@@ -10,6 +10,7 @@
 #include "figures/figure_book.h"
 #include "figures/figure_page.h"
 #include "figures/markup.h"
+#include "figures/symbols.h"
 #include "unit/figures/well_formed.h"
 
 namespace candela::figures {
@@ -30,13 +31,27 @@ TEST(unit_figures_figure, the_error_is_relative_and_of_the_columns_asked_for) {
     for (int x = 0; x < 4; ++x) {
       truth.set_rgb(x, y, vec3(0.5f));
       image.set_rgb(x, y, vec3(x < 2 ? 0.5f : 0.75f));
-      image.at(x, y)[3] = 0.3f;  // alpha is no colour
+      image.at(x, y)[3] = truth.at(x, y)[3] = 1.0f;
     }
   }
   EXPECT_NEAR(relative_error(image, truth, 0, 2), 0.0, 1e-7);
   EXPECT_NEAR(relative_error(image, truth, 2, 4), 0.5, 1e-6);
   EXPECT_NEAR(relative_error(image, truth), 0.5 / std::sqrt(2.0), 1e-6);
   EXPECT_EQ(relative_error(Image(2, 2, 3), Image(2, 2, 3)), 0.0);
+}
+
+TEST(unit_figures_figure, edges_that_a_surface_covers_in_part_do_not_count) {
+  Image truth(4, 1, 4), image(4, 1, 4);
+  for (int x = 0; x < 4; ++x) {
+    truth.set_rgb(x, 0, vec3(0.5f));
+    image.set_rgb(x, 0, vec3(x == 2 ? 5.0f : 0.5f));
+    truth.at(x, 0)[3] = image.at(x, 0)[3] = x < 2 ? 1.0f : 0.4f;
+  }
+  EXPECT_EQ(relative_error(image, truth), 0.0);
+  truth.at(2, 0)[3] = 1.0f;
+  EXPECT_EQ(relative_error(image, truth), 0.0) << "in either picture";
+  image.at(2, 0)[3] = 1.0f;
+  EXPECT_GT(relative_error(image, truth), 1.0);
 }
 
 TEST(unit_figures_figure, percents_have_two_digits) {
@@ -84,14 +99,18 @@ TEST(unit_figures_figure, curves_are_well_formed_and_formulas_can_be_read) {
   FigureContext context(settings, {.diagnostics = &diagnostics});
   std::set<std::string> files;
   for (const FigureInfo& info : figures()) {
-    if (info.chapter != Chapter::facets && info.chapter != Chapter::fresnel) continue;
+    const bool is_drawn = info.name == "points" || info.name == "sketch-radiance";
+    if (info.chapter != Chapter::facets && info.chapter != Chapter::fresnel && !is_drawn) continue;
     const Figure figure = info.make(context);
     EXPECT_FALSE(figure.text.empty() || figure.formulas.empty() || figure.sources.empty() || figure.panels.empty())
         << info.name;
     for (const std::string& formula : figure.formulas) EXPECT_NO_THROW(mathml(formula)) << formula;
+    EXPECT_FALSE(symbols_in(figure.formulas).empty()) << info.name;
+    for (const Symbol& symbol : symbols_in(figure.formulas)) EXPECT_NO_THROW(mathml(symbol.formula)) << symbol.formula;
     for (const Panel& panel : figure.panels) {
       EXPECT_TRUE(panel.file.starts_with(info.name)) << panel.file;
       EXPECT_TRUE(files.insert(panel.file).second) << panel.file;
+      if (std::holds_alternative<DisplayImage>(panel.content)) continue;
       const std::string& svg = std::get<std::string>(panel.content);
       EXPECT_TRUE(test::is_well_formed(svg)) << panel.file;
       EXPECT_EQ(svg.find("nan"), std::string::npos) << panel.file;
@@ -120,6 +139,30 @@ TEST(unit_figures_figure, pages_name_what_they_show_and_escape_it) {
     EXPECT_NE(own.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(own.find("<script"), std::string::npos);
+}
+
+TEST(unit_figures_figure, a_row_of_squares_is_cut_so_that_it_can_wrap) {
+  PageFigure page;
+  page.info = {.name = "row-x", .title = "X", .chapter = Chapter::spheres, .make = {}};
+  page.figure.panels = {
+      {.file = "row-x.png", .content = DisplayImage{30, 10, {}}, .caption = "three", .scale = {"a", "b", "c"}},
+      {.file = "strip.png", .content = DisplayImage{40, 10, {}}, .caption = "no squares", .scale = {"a", "b", "c"}}};
+  const std::string index = index_html({page}, "a note");
+  for (const char* part : {"object-position: 0% 0", "object-position: 50% 0", "object-position: 100% 0", "--n: 3"}) {
+    EXPECT_NE(index.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(index.find("strip.png"), index.rfind("strip.png")) << "what is no row of squares stays whole";
+}
+
+TEST(unit_figures_figure, symbols_are_those_of_the_formulas) {
+  const auto has = [](const std::vector<std::string>& formulas, std::string_view letter) {
+    const std::vector<Symbol> symbols = symbols_in(formulas);
+    return std::any_of(symbols.begin(), symbols.end(), [&](const Symbol& s) { return s.formula == letter; });
+  };
+  EXPECT_TRUE(has({"f(l, v) = \\frac{D(h) F(v·h) G(l, v)}{4 (n·l) (n·v)}"}, "G"));
+  EXPECT_TRUE(has({"α = r^2"}, "r"));
+  EXPECT_FALSE(has({"α = r^2"}, "n"));
+  EXPECT_TRUE(symbols_in({}).empty());
 }
 
 TEST(unit_figures_figure, balls_beside_each_other_keep_their_places) {
