@@ -24,4 +24,7 @@ printed=$(venv/bin/python try.py)
 written=$(ls work)
 echo "printed: $printed"
 echo "written: $written"
-[ "$printed" = $'one > out.txt\n%{FRAME}\n4' ] && [ "$written" = two.txt ] || { echo "no longer so" >&2; exit 1; }
+if [ "$printed" != $'one > out.txt\n%{FRAME}\n4' ] || [ "$written" != two.txt ]; then
+  echo "no longer so" >&2
+  exit 1
+fi
