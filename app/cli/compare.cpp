@@ -20,6 +20,7 @@
 #include "cli/progress.h"
 #include "cli/render_options.h"
 #include "cli/render_outputs.h"
+#include "cli/scene_options.h"
 #include "cli/verbs.h"
 
 namespace candela::cli {
@@ -42,20 +43,6 @@ struct CompareOptions {
   bool is_page() const { return has_extension(output, ".html"); }
   bool is_folder() const { return !output.empty() && !is_page(); }
 };
-
-void add_scene(Command& command, CompareOptions& o) {
-  const std::string group = "Scene";
-  const auto text = [](const std::string& value) { return value; };
-  Shot& shot = o.recipe.shot;
-  add_scene_choice(command, shot.load.scene).group(group);
-  add_measures(command, shot.load.measures, group);
-  add_value(command, "--variant", "NAME", shot.load.variant, text, "One of the file's material variants").group(group);
-  add_value(command, "--frame-time", "1.5s", shot.moment_s, parse_moment, "The moment of the animation [at rest]")
-      .group(group);
-  add_value(command, "--animation", "NAME|INDEX|all", shot.animation, text, "Which animation [the first]").group(group);
-  add_root(command, shot.load.root).group(group);
-  add_texture_memory(command, shot.load.texture_memory).group(group);
-}
 
 void add_pictures(Command& command, CompareOptions& o) {
   const std::string group = "Pictures";
@@ -95,12 +82,7 @@ void finish_against(const Command& command, CompareOptions& o) {
 void finish(const Command& command, CompareOptions& o) {
   Shot& shot = o.recipe.shot;
   if (!o.against.empty()) finish_against(command, o);
-  shot.scene = o.recipe.scenes.front();
-  if (o.recipe.keeps_cache) shot.drawn.cache = cache_folder();
-  if (shot.drawn.light_radius > 0.0f) shot.drawn.has_soft_shadows = true;
-  shot.focuses_on_target = command.has("--focus-distance");
-  finish_camera_options(command, o.recipe);
-  finish_light_options(o.recipe);
+  finish_scene_options(command, o.recipe);
   const ivec2 size = shot.size;
   constexpr std::uint64_t kBytesPerPixel = 1024;  // parts of the light by both engines, and what each adds to the error
   require_memory(2 * picture_bytes(shot) +
@@ -213,10 +195,7 @@ void run_compare(const Command& command, CompareOptions& o) {
 Verb add_compare(Command& command) {
   const auto options = std::make_shared<CompareOptions>();
   CompareOptions& o = *options;
-  o.recipe.scenes.resize(1);
-  command.text("SCENE", o.recipe.scenes[0], "A file (" + kSceneFiles + ") or a built-in demo:NAME")
-      .choices(demo_words())
-      .required();
+  add_scene_argument(command, o.recipe);
   command
       .text("-o,--output", o.output,
             "Also a page with the pictures, where they differ and the tables: FILE.html; or a folder for it, for " +
@@ -234,7 +213,7 @@ Verb add_compare(Command& command) {
   command.flag("!--no-suspects", suspects, "Do not look for mistakes that would explain what is wrong");
   add_value(command, "--threads", "N", o.recipe.threads, count_within(0, 1024), "0 is all [0]");
   command.flag("-q,--quiet", o.recipe.quiet, "No progress on standard error");
-  add_scene(command, o);
+  add_scene_options(command, o.recipe);
   add_pictures(command, o);
   add_camera_options(command, o.recipe, CameraPictures::report);
   add_light_options(command, o.recipe);

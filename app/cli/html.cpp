@@ -25,12 +25,19 @@ std::string base64(std::span<const std::byte> bytes) {
   return text;
 }
 
+std::string data_element(const char* type, std::span<const std::byte> bytes, const std::string& what) {
+  return fmt::format("<img alt=\"{}\" src=\"data:{};base64,{}\">\n", figures::escaped(what), type, base64(bytes));
+}
+
 }  // namespace
 
 std::string image_element(const DisplayImage& image, const std::string& what) {
   const TextureImage texture{image.width, image.height, 8, true, image.rgba};
-  return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", figures::escaped(what),
-                     base64(encode_png(texture)));
+  return data_element("image/png", encode_png(texture), what);
+}
+
+std::string svg_element(const std::string& svg, const std::string& what) {
+  return data_element("image/svg+xml", std::as_bytes(std::span(svg)), what);
 }
 
 }  // namespace candela::cli

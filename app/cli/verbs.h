@@ -22,6 +22,7 @@ Verb add_bake(Command& command);
 Verb add_check(Command& command);
 Verb add_diff(Command& command);
 Verb add_compare(Command& command);
+Verb add_explain(Command& command);
 Verb add_view(Command& command);
 Verb add_figures(Command& command);
 Verb add_completion(Command& command);
@@ -44,6 +45,7 @@ inline constexpr auto kVerbs = std::to_array<VerbInfo>({
     {"check", "Judge materials, textures and meshes as a physicist would", add_check},
     {"diff", "Measure how far one picture or model is from another", add_diff},
     {"compare", "Measure how far the real-time frame is from the truth, and why", add_compare},
+    {"explain", "Say every term of a pixel: surface, lobes, lights, frame, paths", add_explain},
     {"view", "Show a scene in a window, drawn in real time", add_view},
     {"figures", "Make the figures of physically based shading, as pages to read", add_figures},
     {"completion", "Scripts for shells that complete what is typed, and the manual", add_completion},

@@ -333,18 +333,22 @@ void ViewMeasure::judge(ViewGap& gap, const Job& job) {
 
 }  // namespace
 
-Shot comparable(Shot shot, const GapSettings& settings) {
-  if (settings.samples < 2) throw Error("the truth needs two samples, to know its noise", "--spp");
+Shot truth_shot(Shot shot, const std::string& what) {
   path::check_built();
   if (shot.background != Background::environment || shot.ground || shot.background_color) {
-    throw Error("engines are compared before the environment alone", "--background");
+    throw Error(what + " before the environment alone", "--background");
   }
-  if (shot.shutter_s > 0.0) throw Error("engines are compared of one moment", "--shutter");
-  if (shot.part || shot.pictures) throw Error("engines are compared of whole pictures", "--part");
+  if (shot.shutter_s > 0.0) throw Error(what + " of one moment", "--shutter");
+  if (shot.part || shot.pictures) throw Error(what + " of whole pictures", "--part");
   shot.engine = Engine::path;
   shot.denoiser.reset();
   shot.layers.clear();
   return shot;
+}
+
+Shot comparable(Shot shot, const GapSettings& settings) {
+  if (settings.samples < 2) throw Error("the truth needs two samples, to know its noise", "--spp");
+  return truth_shot(std::move(shot), "engines are compared");
 }
 
 void measure_gaps(const Shot& wished, const GapSettings& settings, const std::function<void(ViewGap)>& take,

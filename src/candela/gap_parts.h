@@ -32,7 +32,10 @@ struct GapPixel {
   bool is_plain() const { return kind == GapCause::rest; }
 };
 
-/// The shot of the truth. Throws Error for what cannot be compared.
+/// The shot of the truth beside which a frame is seen. Throws Error for what only one of them has; `what` begins it:
+/// "engines are compared".
+Shot truth_shot(Shot shot, const std::string& what);
+/// The same of a comparison.
 Shot comparable(Shot shot, const GapSettings& settings);
 
 /// One half of the truth, with Layer::material. Throws Interrupted where it is not whole.

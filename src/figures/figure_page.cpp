@@ -37,7 +37,8 @@ figure.entry { margin: 2.6rem 0 0; }
 .formulas { background: var(--card); border-radius: 6px; padding: .55rem 1rem; margin: .2rem 0 1rem; overflow-x: auto; }
 .formulas div { display: flex; flex-wrap: wrap; gap: 0 2.4rem; }
 .formulas math { width: auto; font-family: "Latin Modern Math", "STIX Two Math", "Cambria Math", math, serif; font-size: 1.15rem; margin: .5rem auto; }
-.symbols { margin: -.6rem 0 1rem; }
+.symbols { margin: -.6rem 0 1rem; max-width: none; }
+.symbols math { display: inline math; }
 .panels { display: grid; gap: 1.2rem 1.6rem; grid-template-columns: 1fr; margin: .6rem 0 .8rem; align-items: start; }
 @media (min-width: 46rem) { .two, .three { grid-template-columns: 1fr 1fr; } }
 @media (min-width: 66rem) { .three { grid-template-columns: 1fr 1fr 1fr; } }

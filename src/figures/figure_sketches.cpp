@@ -85,9 +85,8 @@ std::string half_vector_sketch() {
   s.letter(at_angle(p, -17, 148), "h");
   s.path(arc(p, 60, -58, -14), "soft");
   s.path(arc(p, 68, -14, 30), "soft");
-  s.letter(at_angle(p, 50, 120), "θ");
+  s.letter(at_angle(p, 15, 114), "θ");
   s.path(arc(p, 100, 0, 30), "soft");
-  s.letter({210, 248}, "h is half way between l and v; θ an angle to the normal", "words");
   return s.svg();
 }
 
@@ -120,7 +119,6 @@ std::string facets_sketch() {
   s.arrow(at_angle(masked, -48, 162), masked, "light");
   s.path(fmt::format("M{:.0f} {:.0f}L262 146", masked.x, masked.y), "soft");
   s.letter({160, 232}, "masked", "words");
-  s.letter({210, 254}, "D: how many look along h · G: how many of them both see · F: what each reflects", "words");
   return s.svg();
 }
 
@@ -161,9 +159,8 @@ std::string radiance_sketch() {
   s.path(arc(p, 80, 0, 42), "soft");
   s.letter(at_angle(p, 21, 98), "θ");
   s.letter(at_angle(p, 46, 212), "dω");
-  s.letter({96, 60}, "L = d²Φ / (dω dA cos θ)", "words");
-  s.letter({112, 84}, "W / (m² sr), or cd/m²", "words");
-  s.letter({210, 254}, "A beam keeps its radiance on its way; a tilted surface gets less of it by cos θ", "words");
+  s.letter({100, 24}, "L = d²Φ / (dω dA cos θ)", "words");
+  s.letter({100, 46}, "W / (m² sr), or cd/m²", "words");
   return s.svg();
 }
 
@@ -196,8 +193,10 @@ Figure facets_figure(FigureContext&) {
   figure.sources = {"Torrance & Sparrow 1967, Theory for Off-Specular Reflection from Roughened Surfaces",
                     "Walter, Marschner, Li & Torrance 2007, Microfacet Models for Refraction through Rough Surfaces"};
   figure.columns = 2;
-  figure.panels = {{"sketch-facets-directions.svg", half_vector_sketch(), "directions"},
-                   {"sketch-facets-profile.svg", facets_sketch(), "facets, cut"}};
+  figure.panels = {{"sketch-facets-directions.svg", half_vector_sketch(),
+                    "h is half way between l and v; θ is an angle to the normal"},
+                   {"sketch-facets-profile.svg", facets_sketch(),
+                    "facets, cut: D is how many look along h, G how many of these both see, F what each reflects"}};
   return figure;
 }
 
@@ -216,7 +215,8 @@ Figure radiance_figure(FigureContext&) {
                     "de Vries, LearnOpenGL, PBR theory", "Kajiya 1986, The Rendering Equation"};
   figure.columns = 3;
   figure.panels = {{"sketch-radiance-solid-angle.svg", solid_angle_sketch(), "solid angle"},
-                   {"sketch-radiance-beam.svg", radiance_sketch(), "radiance"},
+                   {"sketch-radiance-beam.svg", radiance_sketch(),
+                    "radiance: a beam keeps it on its way; a tilted surface gets less of it by cos θ"},
                    {"sketch-radiance-reflectance.svg", reflectance_sketch(), "the reflectance equation"}};
   return figure;
 }

@@ -68,8 +68,7 @@ Figure prefiltered_chain(FigureContext& context) {
   figure.text = {
       "The studio blurred by the lobe of each roughness, as the levels of one cube: a mirror reads the first, and a "
       "rough "
-      "metal the last. As a level’s lobe doubles in width it needs a quarter of the texels, which is drawn here at its "
-      "true size below each picture."};
+      "metal the last. The wider the lobe, the fewer texels hold all that is left."};
   figure.formulas = {"∫_Ω f L_i (n·l) \\text{ d}l ≈ ( ∫_Ω L_i D (n·l) \\text{ d}l ) ( F_0 A + F_{90} B )"};
   figure.sources = {"Karis 2013, Real Shading in Unreal Engine 4"};
   figure.functions = {"ibl::Prefilter", "equirect_from_cube"};
@@ -88,7 +87,7 @@ Figure prefiltered_chain(FigureContext& context) {
                            develop(film_of(equirect_from_cube(ibl::cube_from_source(source, 256), width)), shown),
                            "r = 0: the environment itself, 256 texels along a face"});
   int size = 128;
-  for (std::size_t i = 0; i < kernels.size(); ++i, size /= 2) {
+  for (std::size_t i = 0; i < kernels.size(); ++i, size = std::max(size / 2, 32)) {
     context.check_stop();
     figure.panels.push_back({fmt::format("prefiltered-chain-{}.png", i + 1),
                              develop(film_of(equirect_from_cube(prefilter.faces(kernels[i], size), width)), shown),

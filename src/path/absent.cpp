@@ -1,6 +1,8 @@
 #include "base/parts.h"
 #include "path/capture.h"
 #include "path/direct_light.h"
+#include "path/pixel_paths.h"
+#include "path/pixel_surface.h"
 #include "path/render.h"
 
 // The doors of the path tracer in a build without it: nobody passes.
@@ -44,6 +46,12 @@ void Picture::set_state(std::span<const std::byte>) { refuse(); }
 
 Film render(const Scene&, const Environment&, const View&, const Settings&, const Job&, Statistics*) { refuse(); }
 DirectLight trace_direct_light(const Tracer&, const View&, const Settings&, const Job&) { refuse(); }
+void check_pixel(ivec2, ivec2) { refuse(); }
+std::optional<FacetTerms> facet_terms(const shade::Surface&, vec3, vec3) { refuse(); }
+std::optional<PixelSurface> find_pixel_surface(const Tracer&, const View&, ivec2, ivec2) { refuse(); }
+PixelEstimate trace_pixel(const Tracer&, const View&, const Settings&, ivec2, const PixelPathSettings&, const Job&) {
+  refuse();
+}
 Cubemap capture_environment(const Tracer&, vec3, int, const Settings&, const Job&, Statistics*) { refuse(); }
 
 }  // namespace candela::path

@@ -164,12 +164,7 @@ DirectLight trace_direct_light(const Tracer& tracer, const View& view, const Set
   const Tracer::Parts& parts = *tracer.parts_;
   const Camera camera(view, settings.width, settings.height);
   PathContext context{.geometry = parts.geometry, .lights = parts.lights, .has_media = parts.geometry.has_media()};
-  const Box3 eye = camera.origins();
-  if (eye.lower == eye.upper) {
-    context.start = bodies_around(parts.geometry, eye.lower);
-  } else {
-    context.eye_is_wide = may_be_inside(parts.geometry, eye);
-  }
+  find_start(camera, context);
   const PixelFilterSampler filter(settings.filter, settings.filter_radius);
   DirectLight light;
   const std::array<Image*, 7> images{&light.seen,

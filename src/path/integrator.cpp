@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "path/bodies.h"
+#include "path/camera.h"
 #include "path/place.h"
 #include "path/surface_point.h"
 #include "path/vertex.h"
@@ -19,6 +20,17 @@ void set_nothing(PathSample& sample) {
     if (info.has_mean) sample.of(info.layer) = vec3(info.nothing);
   }
 }
+
+/// Nobody listens.
+struct Unheard {
+  void meet(const Hit&, const SurfacePoint&) {}
+  void turn(const shade::SurfaceSample&) {}
+  void scatter(vec3) {}
+  void look_for(const LightSample&) {}
+  void find_lamp(vec3) {}
+  void find_glow(vec3) {}
+  void find_sky(vec3, vec3) {}
+};
 
 PathSample background_sample(const PathContext& context, vec3 direction) {
   PathSample sample;
@@ -80,11 +92,12 @@ float expected_share(const LightSample& light, bool is_seen_ground) {
 
 /// Light from one lamp chosen among all, times the surface's response, weighted against meeting it by chance. Where the
 /// background is seen, the environment shines on the near side of glass only.
-template <bool kHasMedia>
+template <bool kHasMedia, class Listener>
 vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& crossing, const SurfacePoint& point,
                   const Meeting& meeting, const LightChances& chances, bool sees_background, bool is_seen_ground,
-                  float u_choice, vec2 u, RayCounts& counts) {
+                  float u_choice, vec2 u, RayCounts& counts, Listener& listener) {
   const LightSample light = context.lights.sample(chances, u_choice, u);
+  listener.look_for(light);
   if (light.pdf <= 0.0f) return vec3(0.0f);
   const bool is_outside = point.is_outside(light.direction);
   if (!is_outside && !shade::surface_scatters_through(point.surface)) return vec3(0.0f);
@@ -113,6 +126,15 @@ vec3 direct_light(const PathContext& context, const Walk& walk, const Crossing& 
 }
 
 }  // namespace
+
+void find_start(const Camera& camera, PathContext& context) {
+  const Box3 eye = camera.origins();
+  if (eye.lower == eye.upper) {
+    context.start = bodies_around(context.geometry, eye.lower);
+  } else {
+    context.eye_is_wide = may_be_inside(context.geometry, eye);
+  }
+}
 
 Hit first_visible_hit(const PathContext& context, const Ray& ray, const Hit& hit, RayCounts& counts) {
   if (!hit || !is_culled_back(context.geometry, hit, ray.direction)) return hit;
@@ -209,8 +231,9 @@ void find_first_surface(const PathContext& context, const Ray& ray, PathSample& 
   record_first_surface(make_surface_point(context.geometry, hit, ray.direction, crossing.eta), sample);
 }
 
-template <bool kHasMedia>
-PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
+template <bool kHasMedia, class Listener>
+PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts,
+                 Listener& listener) {
   PathSample sample;
   Walk walk = start_walk<kHasMedia>(context, ray.origin);
   Place place;
@@ -245,6 +268,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
   if constexpr (kHasMedia) {
     bool scattered = false;
     if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
+    if (scattered) listener.scatter(ray.origin);
     is_eye = !scattered;
     turns = scattered ? 1 : 0;
     sees_background = sees_background && !scattered;
@@ -257,12 +281,12 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       sample.through = walk.throughput;
       break;
     }
-    if (!hit && is_eye && !context.sees_lamps) {
-      add(walk.throughput * context.lights.environment().read(sky).radiance);
-      break;
-    }
     if (!hit) {
-      add(walk.throughput * escaped(ray.direction));
+      const bool sees_map_alone = is_eye && !context.sees_lamps;
+      const vec3 light =
+          walk.throughput * (sees_map_alone ? context.lights.environment().read(sky).radiance : escaped(ray.direction));
+      add(light);
+      listener.find_sky(ray.direction, light);
       break;
     }
 
@@ -308,10 +332,13 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
     bool is_straight = crossing.is_hidden;
     bool is_through = true;
     if (!crossing.is_hidden) {
+      listener.meet(hit, point);
       if (max_component(point.emission) > 0.0f && (!is_eye || context.sees_lamps)) {
         const float weight =
             point.is_unlit ? 1.0f : emission_weight(context, hit, point, ray, drawn_at, bsdf_pdf, chances);
-        add(walk.throughput * point.emission * weight);
+        const vec3 light = walk.throughput * point.emission * weight;
+        add(light);
+        listener.find_glow(light);
       }
       if (point.is_unlit || depth == context.bounces) break;
 
@@ -331,7 +358,8 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
           const vec3 light =
               walk.throughput * direct_light<kHasMedia>(context, walk, crossing, point, {ray, hit, place}, target,
                                                         sees_background, is_seen_ground, target.choice(i, choices.x),
-                                                        target.place(i, u_light), counts);
+                                                        target.place(i, u_light), counts, listener);
+          listener.find_lamp(light);
           if (ground.is_met) {
             sample.through += light * ground.scale;
             continue;
@@ -341,6 +369,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
         }
       }
       if (max_component(next.weight) <= 0.0f) break;
+      listener.turn(next);
       walk.throughput *= next.weight;
       if (!is_straight) {
         direction = point.frame.to_world(next.wi);
@@ -394,6 +423,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       bool scattered = false;
       if (!walk.travel(context, ray, hit, sampler, counts, scattered)) break;
       if (scattered) {
+        listener.scatter(ray.origin);
         ++turns;
         is_eye = false;
         sees_background = ground.is_looked_for = false;
@@ -412,10 +442,23 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
 
 PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts) {
   hit = first_visible_hit(context, ray, hit, counts);
+  Unheard nobody;
   PathSample sample = !hit                ? background_sample(context, ray.direction)
-                      : context.has_media ? trace<true>(context, ray, hit, sampler, counts)
-                                          : trace<false>(context, ray, hit, sampler, counts);
+                      : context.has_media ? trace<true>(context, ray, hit, sampler, counts, nobody)
+                                          : trace<false>(context, ray, hit, sampler, counts, nobody);
   if (context.has_first_surface) find_first_surface(context, ray, sample);
+  return sample;
+}
+
+PathSample trace_heard_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts,
+                            PathListener& listener) {
+  hit = first_visible_hit(context, ray, hit, counts);
+  if (hit) {
+    return context.has_media ? trace<true>(context, ray, hit, sampler, counts, listener)
+                             : trace<false>(context, ray, hit, sampler, counts, listener);
+  }
+  PathSample sample = background_sample(context, ray.direction);
+  listener.find_sky(ray.direction, sample.radiance);
   return sample;
 }
 

@@ -6,6 +6,7 @@
 #include "math/sobol.h"
 #include "path/lights.h"
 #include "path/render.h"
+#include "shade/surface_params.glsl.h"
 
 namespace candela::path {
 
@@ -47,6 +48,30 @@ struct PathSample {
   const vec3& of(Layer layer) const { return first[static_cast<std::size_t>(layer)]; }
 };
 
+struct SurfacePoint;
+
+/// Is told what a path meets, in its order. Of light everything that adds up to PathSample::radiance.
+class PathListener {
+ public:
+  virtual ~PathListener() = default;
+  /// A surface that is there; the path ends, passes or turns on it.
+  virtual void meet(const Hit& hit, const SurfacePoint& point) = 0;
+  virtual void turn(const shade::SurfaceSample& next) = 0;
+  /// Within a body, the last time before the next surface.
+  virtual void scatter(vec3 position) = 0;
+  /// A lamp is looked for from the surface that was met last, and what comes of it.
+  virtual void look_for(const LightSample& lamp) = 0;
+  virtual void find_lamp(vec3 light) = 0;
+  /// Light of the surface that was met last, and from beyond the scene.
+  virtual void find_glow(vec3 light) = 0;
+  virtual void find_sky(vec3 direction, vec3 light) = 0;
+};
+
+class Camera;
+
+/// Sets what camera rays begin in: PathContext::start and eye_is_wide.
+void find_start(const Camera& camera, PathContext& context);
+
 /// The camera looks through the backs of single-sided surfaces (light does not): the first hit that it sees.
 Hit first_visible_hit(const PathContext& context, const Ray& ray, const Hit& hit, RayCounts& counts);
 
@@ -65,5 +90,9 @@ PathSample trace_path_minimal(const PathContext& context, Ray ray, Hit hit, Sobo
 /// The third, which renders: it looks for lights as well. Radiance that comes back along a camera ray whose first hit
 /// is known. Unbiased; see docs/theory/path-tracing.md.
 PathSample trace_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts);
+
+/// The same path, told to a listener.
+PathSample trace_heard_path(const PathContext& context, Ray ray, Hit hit, SobolSampler& sampler, RayCounts& counts,
+                            PathListener& listener);
 
 }  // namespace candela::path

@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "path/accumulator.h"
-#include "path/bodies.h"
 #include "path/camera.h"
 #include "path/empty_pixels.h"
 #include "path/integrator.h"
@@ -155,7 +154,7 @@ class Picture::Impl {
       throw Error("the integrator of surfaces alone knows no ground; minimal does", parts_->scene->name);
     check_numbers(*parts_->scene, settings.layers);
     done_ = static_cast<std::uint32_t>(settings.first_sample);
-    find_start();
+    set_start();
   }
 
   void trace(std::uint32_t limit, const Job& job);
@@ -176,7 +175,7 @@ class Picture::Impl {
   void render_tile(int tile, std::uint32_t first_sample, std::uint32_t last_sample);
   void render_block(ivec2 corner, std::uint32_t first_sample, std::uint32_t last_sample, BlockCounts& counts);
   bool takes_part(std::size_t pixel, std::uint32_t pass) const;
-  void find_start();
+  void set_start();
   void find_empty();
   void find_converged();
   NoiseReached noise_reached() const;
@@ -223,13 +222,8 @@ class Picture::Impl {
 };
 
 /// What camera rays begin in, and how their layers are found.
-void Picture::Impl::find_start() {
-  const Box3 eye = camera_.origins();
-  if (eye.lower == eye.upper) {
-    context_.start = bodies_around(geometry_, eye.lower);
-  } else {
-    context_.eye_is_wide = may_be_inside(geometry_, eye);
-  }
+void Picture::Impl::set_start() {
+  find_start(camera_, context_);
   context_.has_features = settings_.has_features;
   context_.sees_shadows = geometry_.ground() != nullptr && settings_.sees_lamps;
   // Elsewhere the first surface of the layers is that of the path.

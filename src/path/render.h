@@ -109,6 +109,9 @@ class FarLight {
 };
 
 struct DirectLight;
+struct PixelSurface;
+struct PixelEstimate;
+struct PixelPathSettings;
 
 /// A scene with its light, prepared for tracing: acceleration structure, light tables, materials with their textures.
 /// Several threads may render pictures of it at once.
@@ -140,6 +143,9 @@ class Tracer {
  private:
   friend class Picture;
   friend DirectLight trace_direct_light(const Tracer&, const View&, const Settings&, const Job&);
+  friend std::optional<PixelSurface> find_pixel_surface(const Tracer&, const View&, ivec2, ivec2);
+  friend PixelEstimate trace_pixel(const Tracer&, const View&, const Settings&, ivec2, const PixelPathSettings&,
+                                   const Job&);
   struct Parts;
   std::shared_ptr<const Parts> parts_;
 };

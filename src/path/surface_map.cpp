@@ -5,13 +5,11 @@
 
 namespace candela::path {
 
-namespace {
-
 Ray centre_ray(const Camera& camera, int x, int y) {
   return camera.generate(vec2(x, y) + 0.5f, vec2(0.5f)).ray;  // a polygon's numbers (½, ½) are not its middle
 }
 
-SurfaceSample sample_of(const Geometry& geometry, const Hit& hit) {
+SurfaceSample surface_sample_of(const Geometry& geometry, const Hit& hit) {
   SurfaceSample sample;
   const Placement& placement = geometry.placement(hit.placement);
   const TrianglePositions p = triangle_positions(placement, hit.triangle);
@@ -25,6 +23,8 @@ SurfaceSample sample_of(const Geometry& geometry, const Hit& hit) {
   sample.uv = placement.mesh->uv(placement.mesh->triangles[hit.triangle], b, 0);
   return sample;
 }
+
+namespace {
 
 /// Calls `row(y)` for every row, on all cores.
 template <class Row>
@@ -40,7 +40,8 @@ SurfaceMap map_surfaces(const Geometry& geometry, const Camera& camera, ivec2 si
   SurfaceMap map(size.x, size.y);
   for_rows(size.y, [&](int y) {
     for (int x = 0; x < size.x; ++x) {
-      if (const Hit hit = geometry.first_surface(centre_ray(camera, x, y))) map.at(x, y) = sample_of(geometry, hit);
+      if (const Hit hit = geometry.first_surface(centre_ray(camera, x, y)))
+        map.at(x, y) = surface_sample_of(geometry, hit);
     }
   });
   return map;

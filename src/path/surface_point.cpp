@@ -220,6 +220,12 @@ bool is_back_hit(const Geometry& geometry, const Hit& hit, vec3 direction) {
 }
 
 SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 direction, float eta) {
+  shade::SurfaceParams params;
+  return make_surface_point(geometry, hit, direction, eta, params);
+}
+
+SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 direction, float eta,
+                                shade::SurfaceParams& params) {
   const Placement& placement = geometry.placement(hit.placement);
   const MeshData& mesh = *placement.mesh;
   const MaterialData& material = *mesh.material;
@@ -296,7 +302,6 @@ SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 d
     point.emission = base_color;
     return point;
   }
-  shade::SurfaceParams params;
   if (material.params.lobes == 0) {
     copy_base(material.params, params);
   } else {

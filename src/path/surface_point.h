@@ -32,6 +32,10 @@ struct SurfacePoint {
 /// Fetches textures and prepares the closure at a hit of a ray with `direction`. `eta` is the index on the far side
 /// over that on the near side, of materials with a medium.
 SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 direction, float eta = 1.0f);
+/// The same, with what the closure was prepared from; of a surface without layers only what the base reads, of an unlit
+/// one nothing.
+SurfacePoint make_surface_point(const Geometry& geometry, const Hit& hit, vec3 direction, float eta,
+                                shade::SurfaceParams& params);
 
 /// Whether a ray with `direction` meets the back of the facet.
 bool is_back_hit(const Geometry& geometry, const Hit& hit, vec3 direction);

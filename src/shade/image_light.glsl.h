@@ -56,6 +56,15 @@ SHADE_FN float image_light_horizon(vec3 mirrored, vec3 geometric_normal) {
   return h * h;
 }
 
+/// The normal by which a lobe of this anisotropy mirrors prefiltered light: it is wide along its direction, so that the
+/// normal leans towards the viewer in the plane across it. All are unit and of one space.
+SHADE_FN vec3 image_light_leaning(vec3 n, vec3 wo, vec3 across, float anisotropy) {
+  vec3 along_view = cross(across, wo);
+  vec3 anisotropic = normalize(cross(along_view, across));
+  vec3 bent = normalize(mix(n, anisotropic, shade_saturate(anisotropy * anisotropy)));
+  return dot(bent, n) < 0.0f ? n : bent;
+}
+
 SHADE_END
 
 #endif

@@ -82,15 +82,6 @@ float occlusion() {
 /// 1 where a part of the light is shown.
 float part(int bit) { return (shown_parts & bit) != 0 ? 1.0 : 0.0; }
 
-/// The normal by which a lobe of this anisotropy mirrors prefiltered light: it is wide along its direction, so that the
-/// normal leans towards the viewer in the plane across it.
-vec3 leaning(Point p, vec3 n, vec3 across, float anisotropy) {
-  vec3 along_view = cross(across, p.wo);
-  vec3 anisotropic = normalize(cross(along_view, across));
-  vec3 bent = normalize(mix(n, anisotropic, shade_saturate(anisotropy * anisotropy)));
-  return dot(bent, n) < 0.0 ? n : bent;
-}
-
 vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
   vec3 n = p.normal;
   float visible = occlusion();
@@ -100,7 +91,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
           image_light_multibounce(visible, min(shares.diffuse, vec3(1.0)));
   vec3 bent = n;
 #if defined(LOBE_anisotropy) && defined(HAS_TANGENT)
-  bent = leaning(p, n, frame[1], params.anisotropy);
+  bent = image_light_leaning(n, p.wo, frame[1], params.anisotropy);
 #endif
   float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
   color +=
@@ -128,7 +119,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
   vec3 nc = normalize(frame * s.coat_normal);
   vec3 bent_coat = nc;
 #ifdef LOBE_clearcoat_anisotropy
-  bent_coat = leaning(p, nc, cross(nc, frame * s.coat_tangent), params.clearcoat_anisotropy);
+  bent_coat = image_light_leaning(nc, p.wo, cross(nc, frame * s.coat_tangent), params.clearcoat_anisotropy);
 #endif
   color += shares.coat * mirrored_light(p, bent_coat, s.coat_alpha) *
            (part(kCoatPart) * image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha));
