@@ -40,7 +40,7 @@ Shot shot_of(const ViewOptions& options) {
 
 }  // namespace
 
-App::App(const ViewOptions& options)
+App::App(const ViewOptions& options, std::unique_ptr<Script> script)
     : options_(options),
       shot_(shot_of(options)),
       window_(file_name_of(shot_.scene) + " - candela", shot_.size),
@@ -56,7 +56,7 @@ App::App(const ViewOptions& options)
   light_name_ = shot_.environment.value_or("");
   is_denoised_ = shot_.denoiser.has_value();
   if (!shot_.drawn.shader_folder.empty()) watched_shaders_.set({shot_.drawn.shader_folder});
-  if (!options_.script.empty()) script_ = std::make_unique<Script>(options_.script);
+  script_ = std::move(script);
   open(shot_.scene);
 }
 
@@ -274,7 +274,13 @@ void App::save_traced() { write_picture({}, *traced_->film, traced_->develop); }
 void App::save_window(const fs::path& path) {
   // What is on the screen is drawn once more, for a swapped buffer may hold anything.
   frame();
-  write_png(path, last_window_);
+  if (cli::has_extension(path, ".jpg") || cli::has_extension(path, ".jpeg")) {
+    write_jpeg(path, last_window_);
+  } else if (cli::has_extension(path, ".webp")) {
+    write_webp(path, last_window_);
+  } else {
+    write_png(path, last_window_);
+  }
 }
 
 // ----- for scripts
@@ -297,7 +303,7 @@ bool App::has(const std::string& what, int count) const {
   throw Error("unknown: wait " + what);
 }
 
-std::string App::state() const {
+std::string App::state() {
   nlohmann::ordered_json json;
   json["model"] = model_ != nullptr ? model_->name() : "";
   json["environment"] = light_ != nullptr ? light_->environment.name : "";
@@ -324,7 +330,7 @@ std::string App::state() const {
   json["material"] = material_;
   json["loads"] = loads_;
   json["message"] = messages_.empty() ? "" : messages_.back().text;
-  json["slowest_ms"] = 1e3 * slowest_s_;
+  json["slowest_ms"] = 1e3 * std::exchange(slowest_s_, 0.0);
   return json.dump();
 }
 
@@ -413,7 +419,8 @@ void show(const ViewOptions& options) {
   // Before a window comes and goes.
   const std::string& scene = options.render.shot.scene;
   if (!scene.starts_with("demo:") && !fs::exists(scene)) throw Error("there is no such file", scene);
-  App(options).run();
+  auto script = options.script.empty() ? nullptr : std::make_unique<Script>(options.script);
+  App(options, std::move(script)).run();
 }
 
 }  // namespace candela::viewer

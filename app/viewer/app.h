@@ -42,7 +42,8 @@ struct Marker {
 /// Drawing and Tracing, whose results arrive through the mailbox.
 class App {
  public:
-  explicit App(const ViewOptions& options);
+  /// `script` may be null.
+  App(const ViewOptions& options, std::unique_ptr<Script> script);
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
@@ -55,8 +56,8 @@ class App {
   void save_window(const std::filesystem::path& path);
   void resize(ivec2 size) { window_.resize(size); }
   void close() { is_closing_ = true; }
-  /// A line of JSON.
-  std::string state() const;
+  /// A line of JSON; the longest time without an answer is that since the last one.
+  std::string state();
   /// Whether what a script may wait for is there, so often or with so many samples: "loaded", "lit", "drawn", "traced",
   /// "judged", "picked", "saved", "failed". Throws Error for anything else.
   bool has(const std::string& what, int count) const;

@@ -34,7 +34,7 @@ float CameraControl::distance() const { return glm::length(eye_of(view_) - pivot
 
 void CameraControl::orbit(vec2 angles) {
   const float elevation = elevation_of(back_of(view_));
-  const float wanted = std::clamp(elevation - angles.y, -kSteepest, kSteepest);
+  const float wanted = std::clamp(elevation + angles.y, -kSteepest, kSteepest);
   const vec3 right = glm::normalize(vec3(view_.world_from_camera[0]));
   // One that is steeper already may come down, but go no farther.
   const bool is_back = std::abs(wanted) < std::abs(elevation) || std::abs(elevation) <= kSteepest;

@@ -14,7 +14,7 @@ class CameraControl {
   /// The point that it turns about and comes nearer to.
   vec3 pivot() const { return pivot_; }
 
-  /// By angles, to the right and upwards, radians; never over the poles.
+  /// The eye goes to the left and upwards by these angles, radians; never over the poles.
   void orbit(vec2 angles);
   /// Moves the picture by shares of its height, to the right and upwards: what is at the pivot's distance follows.
   void pan(vec2 shares);

@@ -42,6 +42,8 @@ Drawing::Drawing(Mailbox& mailbox, Told told) : mailbox_(mailbox), told_(std::mo
     drawer_.reset();
     device_.reset();
   });
+  // While the file is read.
+  worker_->add_errand([this](const Job&) { attempt([] {}); });
 }
 
 Drawing::~Drawing() = default;
@@ -139,7 +141,6 @@ int Drawing::bands_of(ivec2 size) const {
 }
 
 void Drawing::draw_at(const Look& look, ivec2 size, const Job& job, bool is_whole) {
-  const Stopwatch watch;
   const Scene& scene = prepare(look, job);
   raster::Settings settings = settings_of(look);
   settings.width = size.x, settings.height = size.y;
@@ -171,7 +172,7 @@ void Drawing::draw_at(const Look& look, ivec2 size, const Job& job, bool is_whol
     seconds_per_pixel_ = std::min(seconds_per_pixel_ > 0.0 ? seconds_per_pixel_ : kInfinity, took / pixels);
   }
   shown->exposure = development.exposure.value_or(1.0f);
-  shown->seconds = watch.seconds();
+  shown->seconds = took;
   mailbox_.post([this, shown = std::move(shown)] { told_.shown(shown); });
 }
 

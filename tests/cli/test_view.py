@@ -134,7 +134,7 @@ class Display(CliTest):
 
     def test_control_and_drag_turns_the_environment_and_not_the_camera(self):
         (before, after), _ = self.play("wait drawn", "state", "drag 40,100 90,100 ctrl", "wait drawn", "state", "close",
-                                       options=["--size", "640x480"])  # fmt: skip
+                                       size="640x480")  # fmt: skip
         self.assertAlmostEqual(after["turned"], 0.4, 5)
         self.assertEqual(after["eye"], before["eye"])
 
@@ -210,11 +210,12 @@ class Display(CliTest):
         self.assertEqual(states[0]["picked"]["pixel"], [160, 120])
 
     def test_the_traced_picture_converges_and_input_is_answered_meanwhile(self):
-        states, _ = self.play("wait drawn", "key T", "wait traced 4", "state", "drag 60,100 90,100", "state", "wait traced 2",
-                              "state", "close", scene="demo:materials", size="200x150")  # fmt: skip
+        states, _ = self.play("key tab", "wait drawn", "key T", "wait traced 4", "state", "drag 60,100 90,100", "state", "wait traced 2",
+                              "state", "close", scene="demo:spheres", size="200x150")  # fmt: skip
         self.assertGreaterEqual(states[0]["samples"], 4)
         self.assertTrue(states[0]["split"])
         self.assertNotEqual(states[1]["eye"], states[0]["eye"])
+        self.assertLess(states[1]["slowest_ms"], 1000)
 
     def test_findings_are_counted_and_marked(self):
         (self.folder / "dark.glb").write_bytes(triangle_glb(material={
