@@ -86,6 +86,7 @@ Loading::Told App::loading_told() {
   Loading::Told told;
   told.outlined = [this](std::shared_ptr<const Scene> scene) {
     if (model_ != nullptr) return;  // what is shown is better
+    has_outline_ = true;
     const View view = views_of(*scene, Extent(*scene)).front().second;
     drawing_->sketch(std::move(scene), view, picture_size());
   };
@@ -190,6 +191,7 @@ void App::take_model(std::shared_ptr<Model> model) {
   for (const io::ReferencedFile& file : model_->files()) paths.push_back(file.path);
   if (!light_name_.empty() && !is_built_in_environment(light_name_)) paths.emplace_back(light_name_);
   if (options_.is_watching) watched_.set(std::move(paths));
+  if (shown_ == nullptr && !has_outline_) drawing_->sketch(model_->first(), camera_.view(), picture_size());
   set_title();
   // What lights another model may be the model's own, and the baked light may need another lobe.
   loading_->light(model_, light_name_, shot_.drawn.cache, light_ == nullptr);

@@ -188,7 +188,7 @@ class App {
   int whole_frames_ = 0;
   std::uint64_t asked_ = 0, drawn_ = 0;  ///< counts of looks
   double first_frame_s_ = -1.0;
-  bool has_first_picture_ = false, has_first_light_ = false;
+  bool has_outline_ = false, has_first_picture_ = false, has_first_light_ = false;
   std::unique_ptr<Script> script_;
 
   // ----- the threads, last, so that they end first

@@ -169,7 +169,7 @@ void Drawing::draw_at(const Look& look, ivec2 size, const Job& job, bool is_whol
     seconds_per_pixel_ = took / pixels;
   } else {
     drawn_once_ = drawer_.get();
-    seconds_per_pixel_ = std::min(seconds_per_pixel_ > 0.0 ? seconds_per_pixel_ : kInfinity, took / pixels);
+    seconds_per_pixel_ = std::min(seconds_per_pixel_, took / pixels);
   }
   shown->exposure = development.exposure.value_or(1.0f);
   shown->seconds = took;

@@ -86,7 +86,7 @@ class Drawing {
   std::unique_ptr<Prepared> prepared_;
   Diagnostics diagnostics_;
   std::size_t told_warnings_ = 0;
-  double seconds_per_pixel_ = 0.0;
+  double seconds_per_pixel_ = 4e-7;             ///< at first a guess, of a slow machine
   const raster::Drawer* drawn_once_ = nullptr;  ///< has drawn before
   std::optional<float> metered_;                ///< of the model in this light
   bool is_broken_ = false;                      ///< the shaders do not compile

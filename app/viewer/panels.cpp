@@ -176,7 +176,7 @@ void App::build_overlay() {
 }
 
 void App::build_help() {
-  const vec2 size(window_.size());
+  const vec2 size(picture_size());
   ImGui::SetNextWindowPos(at(0.5f * size), ImGuiCond_Always, {0.5f, 0.5f});
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                                       ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse;

@@ -146,7 +146,8 @@ void check(const std::vector<std::string>& w) {
   if (w[0] == "size") cli::parse_size(w[1]);
   if (w[0] == "save" && w.size() > 2) cli::parse_size(w[2]);
   if (w[0] == "save" || w[0] == "window") check_output_extension(w[1]);
-  if (w[0] == "window" && cli::is_linear_format(w[1])) throw cli::UsageError(w[1] + ": what a screen shows is not linear");
+  if (w[0] == "window" && cli::is_linear_format(w[1]))
+    throw cli::UsageError(w[1] + ": what a screen shows is not linear");
 }
 
 using Kind = gl::WindowEvent::Kind;
