@@ -95,7 +95,7 @@ Loading::Told App::loading_told() {
     if (model_ == nullptr && script_ == nullptr) throw Error(text);
     say(std::move(text), true);
   };
-  told.lit = [this](std::shared_ptr<const FarLight> light, std::vector<Diagnostic> warnings) {
+  told.lit = [this](std::shared_ptr<const FarLight> light, const std::vector<Diagnostic>& warnings) {
     warn(warnings);
     take_light(std::move(light));
   };

@@ -145,7 +145,7 @@ void* GuiPicture::id() const {
   return reinterpret_cast<void*>(static_cast<std::uintptr_t>(static_cast<GLuint>(texture_)));
 }
 
-Gui::Gui(gl::Window& window) : window_(window), context_(ImGui::CreateContext()) {
+Gui::Gui(gl::Window& window) : context_(ImGui::CreateContext()) {
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // nothing is written that nobody asked for
   io.LogFilename = nullptr;
@@ -258,8 +258,8 @@ void Gui::draw(ivec2 size) {
       const auto attribute = [base](GLuint index, GLint count, GLenum type, GLboolean is_unit, std::size_t offset) {
         glEnableVertexAttribArray(index);
         // NOLINTNEXTLINE(performance-no-int-to-ptr): an offset, as OpenGL has it
-        glVertexAttribPointer(index, count, type, is_unit, sizeof(ImDrawVert),
-                              reinterpret_cast<const void*>(base + offset));
+        const auto* place = reinterpret_cast<const void*>(base + offset);
+        glVertexAttribPointer(index, count, type, is_unit, sizeof(ImDrawVert), place);
       };
       attribute(0, 2, GL_FLOAT, GL_FALSE, offsetof(ImDrawVert, pos));
       attribute(1, 2, GL_FLOAT, GL_FALSE, offsetof(ImDrawVert, uv));

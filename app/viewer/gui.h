@@ -50,7 +50,6 @@ class Gui {
  private:
   void upload_font();
 
-  gl::Window& window_;
   ImGuiContext* context_;
   std::unique_ptr<gl::Program> program_;
   GuiPicture font_;
