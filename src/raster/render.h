@@ -140,8 +140,8 @@ class Drawer {
   // ----- one frame after the other, as a window needs them
   /// Draws one frame of a view, through the middle of pixels and lens, and leaves it with the driver until something
   /// else is drawn. Throws Error as render(); what was drawn before stays then. Warnings go to the job. After a stop of
-  /// the job it throws Interrupted, looked for while light is baked and, in `bands` of long frames, between these; there
-  /// is no frame then.
+  /// the job it throws Interrupted, looked for while light is baked and, in `bands` of long frames, between these;
+  /// there is no frame then.
   void draw_frame(const View& view, const Settings& settings, const Job& job = {}, int bands = 1);
   /// Shows the frame in the framebuffer of a window of `size` pixels, which has the device's context. Throws Error
   /// where none was drawn, as read_frame().
