@@ -60,6 +60,7 @@ THIRD_PARTY = {
     "fmt/": {"app", "candela", "check", "content", "denoise", "figures", "foreign", "ibl", "image", "io", "laws", "path", "python", "raster", "scene"},
     "ft2build.h": {"image"},
     "glm/": set(ALLOWED) | {"app"},
+    "imgui.h": {"app"},
     "jpeglib.h": {"image"},
     "nlohmann/": {"app", "candela", "foreign", "io"},
     "nanobind/": {"python"},
@@ -75,7 +76,7 @@ THIRD_PARTY = {
 LIBRARIES = {
     "CLI/": "CLI11", "avif/": "libavif", "EGL/": "EGL", "GL": "OpenGL ES", "GLFW/": "GLFW", "Imath": "OpenEXR", "Imf": "OpenEXR",
     "OpenEXR/": "OpenEXR", "assimp/": "Assimp", "astcenc.h": "libastcenc", "draco/": "libdraco", "embree": "Embree", "fmt/": "",
-    "ft2build.h": "FreeType",
+    "ft2build.h": "FreeType", "imgui.h": "Dear ImGui",
     "glm/": "glm", "jpeglib.h": "libjpeg-turbo", "nlohmann/": "nlohmann-json", "png.h": "libpng", "tbb/": "oneTBB",
     "turbojpeg.h": "libjpeg-turbo", "webp/": "libwebp", "zip.h": "libzip", "zlib.h": "zlib", "zstd.h": "Zstandard",
 }
@@ -102,6 +103,10 @@ def judge(folder, name, header):
         return None
     if folder in ("app", "python") and first == "cli":
         return None
+    if folder == "app" and first == "viewer":
+        return None
+    if header == "imgui.h" and name.parts[:2] != ("app", "viewer"):
+        return f"{header} does not belong outside of app/viewer"
     if folder == "python" and "/" not in header and (ROOT / "python" / "src" / header).is_file():
         return None
     prefix = third_party_of(header)
@@ -183,6 +188,8 @@ PLANTED = {
     "src/path/wrapped.h": ("#include <embree3/rtcore.h>", "leaks out of path"),
     "src/candela/b.cpp": ('#include "path/wrapped.h"', None),
     "src/extra/a.cpp": ("#include <vector>", "the folder extra is not in"),
+    "app/viewer/a.cpp": ('#include <imgui.h>\n#include "viewer/b.h"', None),
+    "app/cli/a.cpp": ("#include <imgui.h>", "does not belong outside of app/viewer"),
     "src/path/good.cpp": ('#include <embree3/rtcore.h>\n#include <tbb/task.h>\n#include "shade/x.h"\n#include <vector>', None),
 }
 

@@ -127,9 +127,11 @@ void add_camera_options(Command& command, RenderOptions& o, CameraPictures pictu
                             "Corners of the aperture, below 3 it is round [0]");
   Option vignetting = add_value(command, "--vignetting", "X", o.shot.vignetting, number_within(0.0f, 1.0f),
                                 "Fall-off to the corners: 0 none, 1 natural [0]");
-  Option turntable = add_value(command, "--turntable", "N", o.shot.turntable, count_within(1, 100000),
-                               "N pictures from all around the subject" + into(pictures, "NAME%03d.png"));
-  for (Option option : {projection, margin, fov, f_number, focus, blades, vignetting, turntable}) option.group(group);
+  for (Option option : {projection, margin, fov, f_number, focus, blades, vignetting}) option.group(group);
+  if (pictures == CameraPictures::window) return;
+  add_value(command, "--turntable", "N", o.shot.turntable, count_within(1, 100000),
+            "N pictures from all around the subject" + into(pictures, "NAME%03d.png"))
+      .group(group);
 }
 
 void finish_camera_options(const Command& command, RenderOptions& o) {

@@ -20,6 +20,7 @@ std::string names_of_views();                 ///< "front, back, …"
 enum class CameraPictures {
   files,   ///< of `candela render`: named by the set, and the cameras can be written
   report,  ///< into one
+  window,  ///< one at a time, onto the screen
 };
 void add_camera_options(Command& command, RenderOptions& options, CameraPictures pictures = CameraPictures::files);
 

@@ -88,31 +88,7 @@ void add_picture(Command& command, RenderOptions& o) {
   add_value(command, "--fps", "N", o.frames_per_second, number_within(0.01f, 1000.0f),
             "Pictures per second of a film [a sequence's own time, else 24]")
       .group(group);
-  add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", o.shot.exposure, parse_exposure,
-            "Metered, in stops, or as on a camera [the scene's wish; studio 0 unless outshone; else auto]")
-      .group(group);
-  add_value(command, "--tonemap", "CURVE", o.shot.tone_curve, parse_tone_curve,
-            "One of " + joined(names_of_rows(kToneCurves)) + " [pbr-neutral]")
-      .choices(names_of_rows(kToneCurves))
-      .group(group);
-  add_value(command, "--bloom", "X", o.shot.bloom, number_within(0.0f, 1.0f),
-            "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
-      .group(group);
-  add_value(command, "--background", "env|transparent|COLOUR", o.background, parse_background,
-            "Behind it all: #rgb, #rrggbb or #rrggbbaa (sRGB), r,g,b (linear), or a CSS name: rebeccapurple [env]")
-      .group(group);
-  add_value(command, "--studio", joined(names_of_rows(kStudios), "|"), o.studio, parse_studio,
-            "Light, paper and exposure of a product shot; --env, --ground and --background override it [none]")
-      .group(group);
-  add_value(command, "--ground", "shadow|mirror:X|COLOUR", o.shot.ground, parse_ground,
-            "Under the subject: its shadow alone; with a mirror image; paper: white, grey+mirror:0.1 [nothing]")
-      .group(group);
-  add_value(command, "--ground-height", "Y", o.ground_height, number_within(-kHuge, kHuge),
-            "Of the ground, metres [the subject's lowest point]")
-      .group(group);
-  add_value(command, "--glass", "background|env", o.shot.environment_in_glass, parse_glass,
-            "What clear glass before such a background shows through it [background]")
-      .group(group);
+  add_look_options(command, o, group);
   add_value(command, "--aov", "LIST", o.shot.layers, parse_layers,
             "Layers beside the picture in the .exr, some of " + joined(names_of_rows(kLayers)))
       .choices_of_list(names_of_rows(kLayers))
@@ -162,14 +138,7 @@ void add_sampling(Command& command, RenderOptions& o) {
   add_value(command, "--clamp", "X", o.shot.traced.clamp, number_within(1e-6f, 1e30f),
             "Cut a sample's indirect light at radiance X: fewer bright dots, some light lost [not at all]")
       .group(group);
-  const auto shading = [&o](const std::string& text) {
-    o.shot.shading = parse_shading(text);
-    return text;
-  };
-  add_value(command, "--shading", "MODEL", o.shot.shading_name, shading,
-            "candela, gltf, ue4, learnopengl, thesis or blinn-phong, and terms: ue4,d=beckmann,diffuse=eon [candela]")
-      .choices_of_list(shading_words())
-      .group(group);
+  add_shading_option(command, o.shot, group);
 }
 
 void add_time(Command& command, RenderOptions& o) {
@@ -230,22 +199,7 @@ void add_running(Command& command, RenderOptions& o) {
 
 void add_raster(Command& command, RenderOptions& o) {
   const std::string group = "With --engine raster";
-  const auto quantity = [&o](const std::string& text) {
-    constexpr std::string_view kLight = "light:";
-    if (text.starts_with(kLight)) {
-      o.shot.drawn.shown_light = count_within(0, raster::kMostLights - 1)(text.substr(kLight.size()));
-      return raster::Quantity::one_light;
-    }
-    try {
-      return raster::parse_quantity(text);
-    } catch (const Error& error) {
-      throw UsageError(error.message());
-    }
-  };
-  add_value(command, "--view", "NAME", o.shot.drawn.quantity, quantity,
-            "One quantity in place of all light: normal, base-color, roughness, specular, light:0, … [light]")
-      .choices(quantity_words())
-      .group(group);
+  add_quantity_option(command, o.shot, group);
   add_drawing_options(command, o.shot, o.keeps_cache, group);
 }
 
@@ -531,6 +485,64 @@ std::string default_output(const RenderOptions& o, int attempt) {
   return default_pattern(o.shot, default_stem(o.shot.scene) + (attempt > 1 ? fmt::format("-{}", attempt) : ""));
 }
 
+void add_look_options(Command& command, RenderOptions& o, const std::string& group) {
+  add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", o.shot.exposure, parse_exposure,
+            "Metered, in stops, or as on a camera [the scene's wish; studio 0 unless outshone; else auto]")
+      .group(group);
+  add_value(command, "--tonemap", "CURVE", o.shot.tone_curve, parse_tone_curve,
+            "One of " + joined(names_of_rows(kToneCurves)) + " [pbr-neutral]")
+      .choices(names_of_rows(kToneCurves))
+      .group(group);
+  add_value(command, "--bloom", "X", o.shot.bloom, number_within(0.0f, 1.0f),
+            "Share of the light that the lens scatters around bright spots, e.g. 0.05 [0]")
+      .group(group);
+  add_value(command, "--background", "env|transparent|COLOUR", o.background, parse_background,
+            "Behind it all: #rgb, #rrggbb or #rrggbbaa (sRGB), r,g,b (linear), or a CSS name: rebeccapurple [env]")
+      .group(group);
+  add_value(command, "--studio", joined(names_of_rows(kStudios), "|"), o.studio, parse_studio,
+            "Light, paper and exposure of a product shot; --env, --ground and --background override it [none]")
+      .group(group);
+  add_value(command, "--ground", "shadow|mirror:X|COLOUR", o.shot.ground, parse_ground,
+            "Under the subject: its shadow alone; with a mirror image; paper: white, grey+mirror:0.1 [nothing]")
+      .group(group);
+  add_value(command, "--ground-height", "Y", o.ground_height, number_within(-kHuge, kHuge),
+            "Of the ground, metres [the subject's lowest point]")
+      .group(group);
+  add_value(command, "--glass", "background|env", o.shot.environment_in_glass, parse_glass,
+            "What clear glass before such a background shows through it [background]")
+      .group(group);
+}
+
+void add_shading_option(Command& command, Shot& shot, const std::string& group) {
+  const auto shading = [&shot](const std::string& text) {
+    shot.shading = parse_shading(text);
+    return text;
+  };
+  add_value(command, "--shading", "MODEL", shot.shading_name, shading,
+            "candela, gltf, ue4, learnopengl, thesis or blinn-phong, and terms: ue4,d=beckmann,diffuse=eon [candela]")
+      .choices_of_list(shading_words())
+      .group(group);
+}
+
+void add_quantity_option(Command& command, Shot& shot, const std::string& group) {
+  const auto quantity = [&shot](const std::string& text) {
+    constexpr std::string_view kLight = "light:";
+    if (text.starts_with(kLight)) {
+      shot.drawn.shown_light = count_within(0, raster::kMostLights - 1)(text.substr(kLight.size()));
+      return raster::Quantity::one_light;
+    }
+    try {
+      return raster::parse_quantity(text);
+    } catch (const Error& error) {
+      throw UsageError(error.message());
+    }
+  };
+  add_value(command, "--view", "NAME", shot.drawn.quantity, quantity,
+            "One quantity in place of all light: normal, base-color, roughness, specular, light:0, … [light]")
+      .choices(quantity_words())
+      .group(group);
+}
+
 void add_drawing_options(Command& command, Shot& shot, bool& keeps_cache, const std::string& group) {
   add_value(command, "--msaa", "N", shot.drawn.msaa, count_within(1, 16),
             "Samples of each frame at edges, 1 to what the driver has [4]")
@@ -588,6 +600,30 @@ void add_light_options(Command& command, RenderOptions& o) {
       .group(group);
 }
 
+void finish_look_options(const Command& command, RenderOptions& o) {
+  if (o.keeps_cache) o.shot.drawn.cache = cache_folder();
+  o.shot.background = o.background.kind;
+  o.shot.background_color = o.background.color;
+  o.shot.background_opacity = o.background.opacity;
+  if (o.studio) {
+    Shot shot;
+    set_studio(*o.studio, shot);
+    if (!o.shot.environment && !o.sun_elevation) o.shot.environment = shot.environment;
+    if (!o.shot.ground) o.shot.ground = shot.ground;
+  }
+  if (o.shot.ground) o.shot.ground->height = o.ground_height;
+  if (o.ground_height && !o.shot.ground) throw UsageError("--ground-height: only with --ground");
+  const bool is_paper = o.shot.ground && o.shot.ground->color;
+  if (is_paper && command.has("--background") && o.background.kind == Background::environment) {
+    throw UsageError("--ground: paper is the background too; --ground shadow lies in the environment");
+  }
+  if (command.has("--glass") && o.background.kind == Background::environment && !is_paper) {
+    throw UsageError("--glass: without another --background glass shows the environment");
+  }
+  if (o.shot.drawn.light_radius > 0.0f) o.shot.drawn.has_soft_shadows = true;
+  o.shot.focuses_on_target = command.has("--focus-distance");
+}
+
 void finish_light_options(RenderOptions& o) {
   if (o.sun_elevation) {
     if (o.shot.environment.value_or("sky") != "sky") throw UsageError("--sun-elevation: only for --env sky");
@@ -635,28 +671,8 @@ void finish_options(const Command& command, RenderOptions& o) {
   o.shot.scene = o.scenes.front();
   check_engine(command, o);
   choose_sampling(command, o);
-  if (o.keeps_cache) o.shot.drawn.cache = cache_folder();
-  o.shot.background = o.background.kind;
-  o.shot.background_color = o.background.color;
-  o.shot.background_opacity = o.background.opacity;
-  if (o.studio) {
-    Shot shot;
-    set_studio(*o.studio, shot);
-    if (!o.shot.environment && !o.sun_elevation) o.shot.environment = shot.environment;
-    if (!o.shot.ground) o.shot.ground = shot.ground;
-  }
-  if (o.shot.ground) o.shot.ground->height = o.ground_height;
-  if (o.ground_height && !o.shot.ground) throw UsageError("--ground-height: only with --ground");
-  const bool is_paper = o.shot.ground && o.shot.ground->color;
-  if (is_paper && command.has("--background") && o.background.kind == Background::environment) {
-    throw UsageError("--ground: paper is the background too; --ground shadow lies in the environment");
-  }
-  if (command.has("--glass") && o.background.kind == Background::environment && !is_paper) {
-    throw UsageError("--glass: without another --background glass shows the environment");
-  }
+  finish_look_options(command, o);
   o.develop_given = command.has("--exposure") || command.has("--tonemap") || command.has("--bloom");
-  if (o.shot.drawn.light_radius > 0.0f) o.shot.drawn.has_soft_shadows = true;
-  o.shot.focuses_on_target = command.has("--focus-distance");
   finish_camera_options(command, o);
 
   finish_light_options(o);

@@ -55,6 +55,17 @@ void add_light_options(Command& command, RenderOptions& options);
 /// What follows from them. Throws UsageError, and Error for an environment that is not there.
 void finish_light_options(RenderOptions& options);
 
+/// Adds how pictures are exposed, and what is behind and under their subject.
+void add_look_options(Command& command, RenderOptions& options, const std::string& group);
+/// What follows from them, and from those of drawing. Throws UsageError.
+void finish_look_options(const Command& command, RenderOptions& options);
+
+/// Adds --shading.
+void add_shading_option(Command& command, Shot& shot, const std::string& group);
+
+/// Adds --view: what is shown in place of all light.
+void add_quantity_option(Command& command, Shot& shot, const std::string& group);
+
 /// Adds what is said of the rasterizer's frames, but for what they show.
 void add_drawing_options(Command& command, Shot& shot, bool& keeps_cache, const std::string& group);
 

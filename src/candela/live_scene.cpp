@@ -13,8 +13,6 @@
 #include "candela/taking.h"
 #include "candela/viewpoint.h"
 #include "image/image_file.h"
-#include "io/vertex_frames.h"
-#include "scene/material_table.h"
 #include "scene/surface_layers.h"
 
 namespace candela {
@@ -200,34 +198,6 @@ Mesh& LiveScene::change_mesh(std::size_t mesh) {
   changed.identity = std::make_shared<const int>(0);
   return changed;
 }
-
-namespace {
-
-/// Whether a part of a mesh has all that its material reads of its vertices.
-bool is_complete(const Scene& scene, const Primitive& primitive) {
-  const Material& material = scene.materials[static_cast<std::size_t>(primitive.material)];
-  for (const TextureSlot* slot : texture_slots(material)) {
-    if (*slot && primitive.uvs[static_cast<std::size_t>(slot->uv_set)].empty()) return false;
-  }
-  return tangent_slot(material) == nullptr || !primitive.tangents.empty();
-}
-
-void complete_primitive(const Material& material, Primitive& primitive) {
-  for (const TextureSlot* slot : texture_slots(material)) {
-    if (!*slot) continue;
-    std::vector<vec2>& uvs = primitive.uvs[static_cast<std::size_t>(slot->uv_set)];
-    if (uvs.empty()) uvs.assign(primitive.positions.size(), vec2(0.0f));
-  }
-  const TextureSlot* slot = tangent_slot(material);
-  if (slot == nullptr || !primitive.tangents.empty()) return;
-  if (primitive.uvs[static_cast<std::size_t>(slot->uv_set)].empty()) {
-    io::turn_tangents(primitive);
-  } else {
-    io::generate_tangents(*slot, primitive);
-  }
-}
-
-}  // namespace
 
 /// Gives every mesh what its materials read of its vertices and it has not, as the readers of files do.
 void LiveScene::complete() {

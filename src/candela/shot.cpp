@@ -19,13 +19,6 @@ namespace {
 
 float aspect_of(const Shot& shot) { return static_cast<float>(shot.size.x) / static_cast<float>(shot.size.y); }
 
-void set_falloff(const FalloffChoice& choice, Scene& scene) {
-  for (Light& light : scene.lights) {
-    light.falloff = choice.kind;
-    if (choice.polynomial) light.polynomial = *choice.polynomial;
-  }
-}
-
 std::string prefix_of(std::size_t index, std::size_t count) {
   return count > 1 ? fmt::format("picture {} of {}, ", index + 1, count) : "";
 }

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "io/vertex_frames.h"
+#include "scene/material_table.h"
 
 namespace candela {
 
@@ -44,6 +46,36 @@ DevelopSettings develop_of(const Shot& shot, const Scene& scene, const Environme
   develop.background = shot.background_color;
   develop.background_opacity = shot.background_opacity;
   return develop;
+}
+
+void set_falloff(const FalloffChoice& choice, Scene& scene) {
+  for (Light& light : scene.lights) {
+    light.falloff = choice.kind;
+    if (choice.polynomial) light.polynomial = *choice.polynomial;
+  }
+}
+
+bool is_complete(const Scene& scene, const Primitive& primitive) {
+  const Material& material = scene.materials[static_cast<std::size_t>(primitive.material)];
+  for (const TextureSlot* slot : texture_slots(material)) {
+    if (*slot && primitive.uvs[static_cast<std::size_t>(slot->uv_set)].empty()) return false;
+  }
+  return tangent_slot(material) == nullptr || !primitive.tangents.empty();
+}
+
+void complete_primitive(const Material& material, Primitive& primitive) {
+  for (const TextureSlot* slot : texture_slots(material)) {
+    if (!*slot) continue;
+    std::vector<vec2>& uvs = primitive.uvs[static_cast<std::size_t>(slot->uv_set)];
+    if (uvs.empty()) uvs.assign(primitive.positions.size(), vec2(0.0f));
+  }
+  const TextureSlot* slot = tangent_slot(material);
+  if (slot == nullptr || !primitive.tangents.empty()) return;
+  if (primitive.uvs[static_cast<std::size_t>(slot->uv_set)].empty()) {
+    io::turn_tangents(primitive);
+  } else {
+    io::generate_tangents(*slot, primitive);
+  }
 }
 
 void choose_denoiser(Shot& shot, const std::function<void(std::string)>& warn) {

@@ -15,6 +15,14 @@ Shot takeable(Shot shot);
 /// The ground that a shot, which has one, lays under the scene.
 Ground ground_of(const Shot& shot, const Scene& scene);
 
+/// Every point and spot of the scene fades so.
+void set_falloff(const FalloffChoice& choice, Scene& scene);
+
+/// Whether a part of a mesh has all that its material reads of its vertices.
+bool is_complete(const Scene& scene, const Primitive& primitive);
+/// Gives it what it lacks, as the readers of files do.
+void complete_primitive(const Material& material, Primitive& primitive);
+
 /// How its picture is developed, as far as known before it is there.
 DevelopSettings develop_of(const Shot& shot, const Scene& scene, const Environment& environment);
 

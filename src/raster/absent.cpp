@@ -28,10 +28,16 @@ void Drawer::set_probes(std::vector<Probe>) { refuse(); }
 void Drawer::set_scene(std::shared_ptr<const Scene>) { refuse(); }
 Film Drawer::render(const View&, const Settings&, const Job&, Statistics*) { refuse(); }
 Film Drawer::render(const MomentOf&, const Settings&, const Job&, Statistics*) { refuse(); }
-void Drawer::draw_frame(const View&, const Settings&, const Job&) { refuse(); }
+void Drawer::draw_frame(const View&, const Settings&, const Job&, int) { refuse(); }
 void Drawer::present(ivec2, float, ToneCurve) { refuse(); }
+void Drawer::set_environment(const Environment&, BakedLight) { refuse(); }
+void Drawer::turn_environment(float, float) { refuse(); }
+DisplayImage Drawer::read_shown(float, ToneCurve) { refuse(); }
+SurfaceMap Drawer::read_surfaces(const View&) { refuse(); }
 Film Drawer::read_frame() { refuse(); }
 void Drawer::reload_shaders() { refuse(); }
+
+BakedLight bake_light_of(const Scene&, const Environment&, const std::filesystem::path&) { refuse(); }
 
 Film render(const Scene&, const Environment&, const View&, const Settings&, const Job&, Statistics*) { refuse(); }
 

@@ -33,10 +33,13 @@ struct FrameBlock {
   int shown_light = -1;  ///< the only one, or -1
   int area_count = 0;
   int padding = 0;
+  vec3 light_turn{1.0f, 0.0f, 1.0f};  ///< cosine and sine of how far light from far away has turned; its factor
+  int more_padding = 0;
 };
 static_assert(offsetof(FrameBlock, eye) == 64 && offsetof(FrameBlock, back) == 80 &&
               offsetof(FrameBlock, least_roughness) == 96 && offsetof(FrameBlock, light_radius) == 112 &&
-              offsetof(FrameBlock, shown_parts) == 128 && sizeof(FrameBlock) == 144);
+              offsetof(FrameBlock, shown_parts) == 128 && offsetof(FrameBlock, light_turn) == 144 &&
+              sizeof(FrameBlock) == 160);
 
 struct LightEntry {
   vec3 position{0.0f};

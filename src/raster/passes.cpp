@@ -162,7 +162,7 @@ void Renderer::draw_scattering(const FrameCamera& camera) {
 
 void Renderer::draw_background(const FrameCamera& camera) {
   // Turned back by the rotation about +y.
-  const float cosine = std::cos(environment_.rotation), sine = std::sin(environment_.rotation);
+  const float cosine = std::cos(environment_->rotation), sine = std::sin(environment_->rotation);
   const auto in_environment = [&](vec3 d) { return vec3(cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z); };
   // Rays through a plane before the eye spread evenly over it; those of an orthographic camera are all the same.
   const auto ray_through = [&](float x, float y) {
@@ -174,24 +174,24 @@ void Renderer::draw_background(const FrameCamera& camera) {
   constexpr float kMostRadiance = 60000.0f;  // of the 65504 of a half float, which the sky behind it needs too
   std::vector<vec4> directions;
   std::vector<vec3> radiances;
-  for (const SunDisc& sun : world_suns(environment_)) {
+  for (const SunDisc& sun : world_suns(*environment_)) {
     if (directions.size() == kMostSuns) break;
     directions.emplace_back(in_environment(sun.direction), std::cos(sun.angular_radius));
     radiances.push_back(glm::min(sun.radiance, vec3(kMostRadiance)));
   }
   const auto sun_count = static_cast<GLsizei>(directions.size());
-  const bool has_map = environment_.map != nullptr || environment_.backdrop != nullptr;
+  const bool has_map = environment_->map != nullptr || environment_->backdrop != nullptr;
 
   const gl::Program& program = programs_.background(has_map, sun_count);
   glUseProgram(program.id());
   glUniform3fv(program.uniform("ray"), 1, &ray.x);
   glUniform3fv(program.uniform("ray_x"), 1, &ray_x.x);
   glUniform3fv(program.uniform("ray_y"), 1, &ray_y.x);
-  const vec3 constant = environment_.constant * environment_.intensity;
+  const vec3 constant = environment_->constant * environment_->intensity;
   glUniform3fv(program.uniform("constant_light"), 1, &constant.x);
   if (has_map) {
     program.bind("panorama", GL_TEXTURE_2D, panorama_);
-    glUniform1f(program.uniform("intensity"), environment_.intensity);
+    glUniform1f(program.uniform("intensity"), environment_->intensity);
   }
   if (sun_count > 0) {
     glUniform4fv(program.uniform("sun_directions"), sun_count, &directions[0].x);

@@ -224,6 +224,10 @@ Device::Device(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 Device::~Device() = default;
 
+void Device::use() const {
+  if (!parts_->make_current()) throw Error("a device of another thread cannot draw here");
+}
+
 std::shared_ptr<Device> Device::of_current_context() {
   return std::shared_ptr<Device>(new Device(std::make_unique<Parts>()));
 }
@@ -235,6 +239,7 @@ class Drawer::Impl {
       : scene_(std::move(scene)), environment_(environment), shading_(shading), device_(std::move(device)) {
     validate(*scene_);
     lit_by_ = scene_->ground ? environment_over_ground(environment, *scene_->ground) : environment;
+    baked_rotation_ = lit_by_.rotation, baked_intensity_ = lit_by_.intensity;
     if (device_ == nullptr) device_ = std::make_shared<Device>();
   }
   ~Impl() {
@@ -259,7 +264,8 @@ class Drawer::Impl {
       use_device();
       renderer_->set_scene(*scene);
       if (renderer_->lacks_sheen_light()) {
-        device().bake(lit_by_, true, settings_.cache);
+        given_light_.reset();
+        device().bake(as_baked(), true, settings_.cache);
         give_light();
       }
     }
@@ -267,8 +273,35 @@ class Drawer::Impl {
     ground_share_.reset();
   }
 
+  void set_environment(const Environment& environment, BakedLight light) {
+    environment_ = environment;
+    lit_by_ = scene_->ground ? environment_over_ground(environment, *scene_->ground) : environment;
+    baked_rotation_ = lit_by_.rotation, baked_intensity_ = lit_by_.intensity;
+    given_light_ = std::move(light);
+    ground_share_.reset();
+    if (renderer_ == nullptr) return;
+    use_device();
+    renderer_->set_environment(lit_by_);
+    give_light();
+  }
+  void turn_environment(float rotation, float intensity) {
+    if (rotation == lit_by_.rotation && intensity == lit_by_.intensity) return;
+    for (Environment* turned : {&environment_, &lit_by_}) turned->rotation = rotation, turned->intensity = intensity;
+    ground_share_.reset();
+    if (renderer_ != nullptr) give_turn();
+  }
+
   Film render(View view, const MomentOf& moment, const Settings& settings, const Job& job, Statistics& s);
-  void draw_frame(const View& view, const Settings& settings, const Job& job);
+  void draw_frame(const View& view, const Settings& settings, const Job& job, int bands);
+  DisplayImage read_shown(float exposure, ToneCurve tone_curve) {
+    use_frame();
+    return renderer_->read_shown(exposure, tone_curve);
+  }
+  SurfaceMap read_surfaces(const View& view) {
+    use_frame();
+    renderer_->begin(view);
+    return renderer_->read_surfaces(view);
+  }
   void present(ivec2 size, float exposure, ToneCurve tone_curve) {
     use_frame();
     renderer_->present(size, exposure, tone_curve);
@@ -287,23 +320,32 @@ class Drawer::Impl {
 
  private:
   Device::Parts& device() { return *device_->parts_; }
-  void use_device() {
-    if (!device().make_current()) throw Error("a device of another thread cannot draw here");
-  }
+  void use_device() { device_->use(); }
   void use_frame() {
     if (renderer_ == nullptr) throw Error("no frame was drawn");
     use_device();
   }
   void give_light() {
-    const BakedLight& light = device().light;
+    const BakedLight& light = given_light_ ? *given_light_ : device().light;
+    give_turn();
     renderer_->set_light(settings_.ambient == Ambient::baked ? light : simplified(light, settings_.ambient));
+  }
+  void give_turn() {
+    const float factor = baked_intensity_ > 0.0f ? lit_by_.intensity / baked_intensity_ : 1.0f;
+    renderer_->turn_light(lit_by_.rotation - baked_rotation_, factor);
+  }
+  /// As its light was baked, before it was turned.
+  Environment as_baked() const {
+    Environment baked = lit_by_;
+    baked.rotation = baked_rotation_, baked.intensity = baked_intensity_;
+    return baked;
   }
   bool is_prepared(const Settings& settings);
   /// Of a picture with all light: else the scene has no ground.
   bool shows_ground() const { return scene_->ground && is_whole(settings_.quantity); }
   void draw_mirrored(const View& view, vec2 jitter, vec2 lens, int frame, LightPoint point);
   void show_ground(const FrameCamera& camera, Image& picture, Image& through) const;
-  void prepare(const View& view, const Settings& settings, Statistics& s);
+  void prepare(const View& view, const Settings& settings, Statistics& s, const std::atomic<bool>* stop = nullptr);
   void add_layers(const View& view, Film& film);
   int add_to_mattes(const View& view, int frame, std::map<MatteKind, MatteSums>& mattes);
   Film draw_frames(View view, const MomentOf& moment, const Job& job, Statistics& s);
@@ -312,6 +354,8 @@ class Drawer::Impl {
   std::shared_ptr<const Scene> scene_;
   Environment environment_;
   Environment lit_by_;  ///< the same, with the ground below the horizon
+  float baked_rotation_ = 0.0f, baked_intensity_ = 1.0f;
+  std::optional<BakedLight> given_light_;  ///< in place of what the device bakes
   std::optional<GroundShare> ground_share_;
   Image mirrored_;  ///< what the ground mirrors in the frame at hand
   shade::ShadingModel shading_;
@@ -353,7 +397,7 @@ bool Drawer::Impl::is_prepared(const Settings& settings) {
 }
 
 /// Uploads and compiles what pictures of these settings need, unless it is there.
-void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistics& s) {
+void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistics& s, const std::atomic<bool>* stop) {
   Stopwatch watch;
   if (is_prepared(settings)) {
     renderer_->begin(view);
@@ -363,8 +407,10 @@ void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistic
   }
   // The light is baked while this thread, the driver's, uploads and compiles.
   std::future<void> baked = std::async(std::launch::async, [&] {
+    if (given_light_) return;
+    const StopScope scope(stop);
     const Stopwatch baking;
-    device().bake(lit_by_, uses_sheen(*scene_), settings.cache);
+    device().bake(as_baked(), uses_sheen(*scene_), settings.cache);
     s.light_s = baking.seconds();
   });
   settings_ = settings;
@@ -573,7 +619,7 @@ Film Drawer::Impl::render(View view, const MomentOf& moment, const Settings& set
   return film;
 }
 
-void Drawer::Impl::draw_frame(const View& view, const Settings& settings, const Job& job) {
+void Drawer::Impl::draw_frame(const View& view, const Settings& settings, const Job& job, int bands) {
   check(settings);
   check(view);
   use_device();
@@ -581,9 +627,18 @@ void Drawer::Impl::draw_frame(const View& view, const Settings& settings, const 
     renderer_->begin(view);
   } else {
     Statistics ignored;
-    prepare(view, settings, ignored);
+    prepare(view, settings, ignored, job.stop);
   }
-  renderer_->draw(view);
+  const StopScope scope(job.stop);
+  renderer_->set_bands(bands);
+  try {
+    renderer_->draw(view);
+    renderer_->set_bands(1);
+  } catch (const Interrupted&) {
+    renderer_->set_bands(1);
+    Renderer::reset_state();
+    throw;
+  }
   tell_warnings(job);
 }
 
@@ -610,12 +665,26 @@ Film Drawer::render(const MomentOf& moment, const Settings& settings, const Job&
   return impl_->render({}, moment, settings, job, statistics != nullptr ? *statistics : ignored);
 }
 
-void Drawer::draw_frame(const View& view, const Settings& settings, const Job& job) {
-  impl_->draw_frame(view, settings, job);
+void Drawer::set_environment(const Environment& environment, BakedLight light) {
+  impl_->set_environment(environment, std::move(light));
+}
+void Drawer::turn_environment(float rotation, float intensity) { impl_->turn_environment(rotation, intensity); }
+
+void Drawer::draw_frame(const View& view, const Settings& settings, const Job& job, int bands) {
+  impl_->draw_frame(view, settings, job, bands);
 }
 void Drawer::present(ivec2 size, float exposure, ToneCurve tone_curve) { impl_->present(size, exposure, tone_curve); }
+DisplayImage Drawer::read_shown(float exposure, ToneCurve tone_curve) {
+  return impl_->read_shown(exposure, tone_curve);
+}
+SurfaceMap Drawer::read_surfaces(const View& view) { return impl_->read_surfaces(view); }
 Film Drawer::read_frame() { return impl_->read_frame(); }
 void Drawer::reload_shaders() { impl_->reload_shaders(); }
+
+BakedLight bake_light_of(const Scene& scene, const Environment& environment, const std::filesystem::path& cache) {
+  const Environment lit = scene.ground ? environment_over_ground(environment, *scene.ground) : environment;
+  return is_lit_from_far(lit) ? bake_light(lit, uses_sheen(scene), cache) : BakedLight{};
+}
 
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,
             const Job& job, Statistics* statistics) {

@@ -98,8 +98,11 @@ class Device {
 
  private:
   friend class Drawer;
+  friend class Sketch;
   struct Parts;
   explicit Device(std::unique_ptr<Parts> parts);
+  /// Makes its context the current one. Throws Error where another thread has it.
+  void use() const;
   std::unique_ptr<Parts> parts_;
 };
 
@@ -121,6 +124,12 @@ class Drawer {
   void set_probes(std::vector<Probe> probes);
   /// Another moment of the same scene, as Moment::scene.
   void set_scene(std::shared_ptr<const Scene> scene);
+  /// Another environment in what is drawn from now on; `light` is what bake_light_of() made of it. Nothing is compiled
+  /// or uploaded anew but that. Before the first picture it stands for the constructor's environment, which is then not
+  /// baked.
+  void set_environment(const Environment& environment, BakedLight light);
+  /// The environment with another rotation and intensity, without baking: its baked light is turned and multiplied.
+  void turn_environment(float rotation, float intensity);
 
   /// The picture of a view: the mean of its frames; after a stop, of those so far, at least one. Throws Error for
   /// invalid settings and views, and if the driver rejects a shader or runs out of memory.
@@ -130,11 +139,17 @@ class Drawer {
 
   // ----- one frame after the other, as a window needs them
   /// Draws one frame of a view, through the middle of pixels and lens, and leaves it with the driver until something
-  /// else is drawn. Throws Error as render(); what was drawn before stays then. Warnings go to the job.
-  void draw_frame(const View& view, const Settings& settings, const Job& job = {});
+  /// else is drawn. Throws Error as render(); what was drawn before stays then. Warnings go to the job. After a stop of
+  /// the job it throws Interrupted, looked for while light is baked and, in `bands` of long frames, between these;
+  /// there is no frame then.
+  void draw_frame(const View& view, const Settings& settings, const Job& job = {}, int bands = 1);
   /// Shows the frame in the framebuffer of a window of `size` pixels, which has the device's context. Throws Error
   /// where none was drawn, as read_frame().
   void present(ivec2 size, float exposure, ToneCurve tone_curve);
+  /// The same as a picture of the frame's size.
+  DisplayImage read_shown(float exposure, ToneCurve tone_curve);
+  /// What is at the centre of each pixel of a view, in the size of the last frame.
+  SurfaceMap read_surfaces(const View& view);
   /// The frame as a picture, without layers.
   Film read_frame();
   /// Compiles the shaders of Settings::shader_folder again when they are next needed.
@@ -144,6 +159,10 @@ class Drawer {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// The light of an environment as a Drawer of the scene has it, for Drawer::set_environment: on any thread. Throws
+/// Interrupted where the StopScope of the caller says so.
+BakedLight bake_light_of(const Scene& scene, const Environment& environment, const std::filesystem::path& cache);
 
 /// One picture by a temporary Drawer. `scene` is not copied. Throws Error.
 Film render(const Scene& scene, const Environment& environment, const View& view, const Settings& settings,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "raster/body.h"
 #include "raster/cube_texture.h"
 #include "raster/targets.h"
@@ -76,7 +77,7 @@ gl::Texture upload_panorama(const Image* map) {
 Renderer::Renderer(const Scene& scene, const Environment& environment, const shade::ShadingModel& shading,
                    const Settings& settings, Diagnostics& diagnostics)
     : scene_(&scene),
-      environment_(environment),
+      environment_(&environment),
       settings_(settings),
       diagnostics_(diagnostics),
       programs_(shading, settings.shader_folder, settings.most_textures),
@@ -85,10 +86,8 @@ Renderer::Renderer(const Scene& scene, const Environment& environment, const sha
   if (!gl::has_extension("GL_EXT_color_buffer_float") && !gl::has_extension("GL_EXT_color_buffer_half_float")) {
     throw Error("the driver cannot draw into floating-point pictures (GL_EXT_color_buffer_float)");
   }
-  const Image* seen = environment.backdrop != nullptr ? environment.backdrop.get() : environment.map.get();
-  panorama_ = upload_panorama(settings.background == Background::environment ? seen : nullptr);
   profiles_ = upload_profiles(scene);
-  sky_ = mean_luminance(environment);
+  set_environment(environment);
   find_area_lights(diagnostics);
   upload_table();
   glSamplerParameteri(depth_sampler_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -98,6 +97,16 @@ Renderer::Renderer(const Scene& scene, const Environment& environment, const sha
   make_targets();
   make_occlusion_targets();
 }
+
+void Renderer::set_environment(const Environment& environment) {
+  environment_ = &environment;
+  expects_light_ = is_lit_from_far(environment);
+  const Image* seen = environment.backdrop != nullptr ? environment.backdrop.get() : environment.map.get();
+  panorama_ = upload_panorama(settings_.background == Background::environment ? seen : nullptr);
+  sky_ = mean_luminance(environment);
+}
+
+void Renderer::turn_light(float radians, float factor) { light_turn_ = {std::cos(radians), std::sin(radians), factor}; }
 
 void Renderer::set_light(const BakedLight& light) {
   has_light_ = !light.specular.empty();
@@ -253,7 +262,7 @@ void Renderer::begin(const View& view, LightPoint point) {
   const vec3 eye = transform_point(view.world_from_camera, vec3(0.0f, 0.0f, -view.near_plane));
   body_ = camera.is_perspective ? body_around(*scene_, eye) : -1;
   const float radius = settings_.has_soft_shadows ? settings_.light_radius : 0.0f;
-  lights_ = collect_lights(*scene_, environment_, gpu_, camera, settings_.has_soft_shadows ? point : LightPoint(0.5f),
+  lights_ = collect_lights(*scene_, *environment_, gpu_, camera, settings_.has_soft_shadows ? point : LightPoint(0.5f),
                            radius, shadow_views(areas_), diagnostics);
   if (!settings_.has_soft_shadows) {
     for (LightEntry& light : lights_.block.lights) light.sun_radius = 0.0f;
@@ -284,6 +293,7 @@ void Renderer::bind_frame(const FrameCamera& camera) {
   block.shown_parts = parts_of(settings_.quantity);
   block.shown_light = settings_.quantity == Quantity::one_light ? settings_.shown_light : -1;
   block.area_count = lights_.area_count;
+  block.light_turn = light_turn_;
   glBindBuffer(GL_UNIFORM_BUFFER, frame_block_);
   glBufferData(GL_UNIFORM_BUFFER, sizeof block, &block, GL_DYNAMIC_DRAW);
   glBindBufferBase(GL_UNIFORM_BUFFER, frame_binding, frame_block_);
@@ -371,6 +381,30 @@ void Renderer::draw_depth(const std::vector<std::size_t>& order, const FrameCame
   }
 }
 
+void Renderer::draw_in_bands(std::size_t first, std::size_t count, const PassKey& pass) {
+  if (bands_ < 2) {
+    draw_some(first, count, pass);
+    return;
+  }
+  glEnable(GL_SCISSOR_TEST);
+  for (int band = 0; band < bands_; ++band) {
+    const int low = settings_.height * band / bands_, high = settings_.height * (band + 1) / bands_;
+    glScissor(0, low, settings_.width, high - low);
+    draw_some(first, count, pass);
+    glFinish();
+    StopScope::check();
+  }
+  glDisable(GL_SCISSOR_TEST);
+}
+
+void Renderer::reset_state() {
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  glDisable(GL_BLEND);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthMask(GL_TRUE);
+}
+
 void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera) {
   std::vector<bool> is_wanted(gpu_.draws().size(), false);
   for (const std::size_t i : order) is_wanted[i] = !is_outside(camera.clip_from_world, gpu_.draws()[i].bounds);
@@ -390,17 +424,17 @@ void Renderer::draw_surfaces(const std::vector<std::size_t>& order, const PassKe
     if (!has_both_sides(material)) {
       glEnable(GL_CULL_FACE);
       glCullFace(GL_BACK);
-      draw_some(first, count, pass);
+      draw_in_bands(first, count, pass);
     } else if (is_blended && is_slice_deep_) {
       // Far sides before near ones.
       glEnable(GL_CULL_FACE);
       for (const GLenum side : {GLenum{GL_FRONT}, GLenum{GL_BACK}}) {
         glCullFace(side);
-        draw_some(first, count, pass);
+        draw_in_bands(first, count, pass);
       }
     } else {
       glDisable(GL_CULL_FACE);
-      draw_some(first, count, pass);
+      draw_in_bands(first, count, pass);
     }
   }
 }

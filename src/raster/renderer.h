@@ -24,6 +24,16 @@ class Renderer {
   Renderer(const Scene& scene, const Environment& environment, const shade::ShadingModel& shading,
            const Settings& settings, Diagnostics& diagnostics);
   void set_light(const BakedLight& light);
+  /// Another environment, of which the light that set_light() gives next is. It must outlive what is drawn in it.
+  void set_environment(const Environment& environment);
+  /// From here on light from far away is turned by so much more than it was baked with, and multiplied. What the
+  /// environment says of its rotation and intensity counts for background and suns.
+  void turn_light(float radians, float factor);
+  /// Of long frames every surface is drawn in so many bands, between which the caller's StopScope counts: a stop leaves
+  /// the frame as it is.
+  void set_bands(int bands) { bands_ = bands; }
+  /// After a frame that was left as it is: the driver's state as a frame begins with.
+  static void reset_state();
   /// Instead of what set_light() gave, for draws as near to them as to no other.
   void set_probes(const std::vector<Probe>& probes);
   /// Another moment of the same scene; it must outlive what is drawn of it. begin() has to follow, and set_light()
@@ -48,6 +58,8 @@ class Renderer {
   Image read_through();
   /// Shows the last frame in the framebuffer of a window of `size` pixels.
   void present(ivec2 size, float exposure, ToneCurve tone_curve);
+  /// The same as a picture of the frame's own size.
+  DisplayImage read_shown(float exposure, ToneCurve tone_curve);
   /// Frames of another size from here on, of another part of the light, with other shadows; begin() has to follow.
   void change(const Settings& settings);
   /// A layer that has a mean, as the first surface at each pixel's centre has it.
@@ -118,11 +130,13 @@ class Renderer {
   void clear_floats(float value) const;
   void draw_map(const std::vector<std::size_t>& draws, const FrameCamera& camera);
   void draw_some(std::size_t first, std::size_t count, const PassKey& pass);
+  void draw_in_bands(std::size_t first, std::size_t count, const PassKey& pass);
+  void draw_shown(GLuint framebuffer, ivec2 size, float exposure, ToneCurve tone_curve);
   void resolve(GLuint framebuffer);
   void resolve_through();
 
   const Scene* scene_;
-  const Environment& environment_;
+  const Environment* environment_;
   Settings settings_;
   Diagnostics& diagnostics_;
   Programs programs_;
@@ -143,6 +157,8 @@ class Renderer {
   bool has_sheen_light_ = false;
   bool expects_light_ = false;  ///< the environment is more than suns
   int frame_ = 0;
+  int bands_ = 1;
+  vec3 light_turn_{1.0f, 0.0f, 1.0f};  ///< as FrameBlock has it
   int light_levels_ = 1;
   int picture_levels_ = 1;
   gl::Texture table_, ggx_table_, specular_, diffuse_, sheen_, profiles_, shadows_, panorama_;

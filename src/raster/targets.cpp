@@ -27,6 +27,21 @@ Image read_pixels(int width, int height) {
   return image;
 }
 
+DisplayImage read_bytes(int width, int height) {
+  DisplayImage image{width, height, {}};
+  const std::size_t stride = static_cast<std::size_t>(width) * 4;
+  std::vector<std::uint8_t> all(stride * static_cast<std::size_t>(height));
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, all.data());
+  gl::check("reading the picture");
+  image.rgba.resize(all.size());
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
+    std::copy_n(all.data() + (static_cast<std::size_t>(height) - 1 - y) * stride, stride,
+                image.rgba.data() + y * stride);
+  }
+  return image;
+}
+
 void Renderer::make_targets() {
   const int w = settings_.width, h = settings_.height;
   GLint most = 0;
@@ -143,8 +158,22 @@ Image Renderer::read_through() {
   return read_pixels(settings_.width, settings_.height);
 }
 
-void Renderer::present(ivec2 size, float exposure, ToneCurve tone_curve) {
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+void Renderer::present(ivec2 size, float exposure, ToneCurve tone_curve) { draw_shown(0, size, exposure, tone_curve); }
+
+DisplayImage Renderer::read_shown(float exposure, ToneCurve tone_curve) {
+  const gl::Framebuffer framebuffer;
+  const gl::Renderbuffer color;
+  glBindRenderbuffer(GL_RENDERBUFFER, color);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, settings_.width, settings_.height);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color);
+  check_framebuffer("a picture of bytes");
+  draw_shown(framebuffer, {settings_.width, settings_.height}, exposure, tone_curve);
+  return read_bytes(settings_.width, settings_.height);
+}
+
+void Renderer::draw_shown(GLuint framebuffer, ivec2 size, float exposure, ToneCurve tone_curve) {
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, size.x, size.y);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);

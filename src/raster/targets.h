@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "gl/gl.h"
+#include "image/develop.h"
 #include "image/image.h"
 #include "raster/quantity.h"
 
@@ -29,6 +30,8 @@ inline void nearest_texels(GLenum target) {
 
 /// The framebuffer that is bound, 4 channels, row 0 at the top.
 Image read_pixels(int width, int height);
+/// The same of one that holds bytes.
+DisplayImage read_bytes(int width, int height);
 
 /// Where what is seen through glass stands, beside the layers of scattered light.
 inline constexpr GLenum kThroughAttachment = GL_COLOR_ATTACHMENT3;

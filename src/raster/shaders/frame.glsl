@@ -16,4 +16,5 @@ layout(std140) uniform Frame {
   int shown_parts;
   int shown_light;
   int area_count;
+  vec3 light_turn;
 };

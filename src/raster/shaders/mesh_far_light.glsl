@@ -23,6 +23,11 @@ vec3 probe_direction(vec3 direction) {
 }
 #endif
 
+/// A direction where light from far away was baked, before it was turned about +y.
+vec3 turned_back(vec3 d) {
+  return vec3(light_turn.x * d.x - light_turn.y * d.z, d.y, light_turn.y * d.x + light_turn.x * d.z);
+}
+
 float far_light_level(float alpha) {
 #ifdef HAS_PROBES
   return image_light_level(alpha, probe_levels);
@@ -36,12 +41,30 @@ vec3 far_light_direction(vec3 direction) {
 #ifdef HAS_PROBES
   return probe_direction(direction);
 #else
-  return direction;
+  return turned_back(direction);
+#endif
+}
+
+/// What light from far away, but not that of probes, is multiplied by.
+float far_light_factor() {
+#ifdef HAS_PROBES
+  return 1.0;
+#else
+  return light_turn.z;
 #endif
 }
 
 vec3 prefiltered(vec3 direction, float alpha) {
-  return textureLod(specular_light, far_light_direction(direction), far_light_level(alpha)).rgb;
+  return textureLod(specular_light, far_light_direction(direction), far_light_level(alpha)).rgb * far_light_factor();
+}
+
+/// Irradiance of a surface with this normal.
+vec3 irradiance(vec3 n) {
+#ifdef HAS_PROBES
+  return texture(diffuse_light, n).rgb;
+#else
+  return texture(diffuse_light, turned_back(n)).rgb * light_turn.z;
+#endif
 }
 
 vec3 mirrored_light(Point p, vec3 n, float alpha) {
@@ -87,7 +110,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
   float visible = occlusion();
   vec3 color = vec3(0.0);
 #ifdef HAS_FAR_LIGHT
-  color = shares.diffuse * texture(diffuse_light, n).rgb * (part(kDiffusePart) / kShadePi) *
+  color = shares.diffuse * irradiance(n) * (part(kDiffusePart) / kShadePi) *
           image_light_multibounce(visible, min(shares.diffuse, vec3(1.0)));
   vec3 bent = n;
 #if defined(LOBE_anisotropy) && defined(HAS_TANGENT)
@@ -102,7 +125,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #endif
 #ifdef HAS_LAYERS
 #if defined(LOBE_diffuse_transmission) && !defined(IS_SCATTERING)
-  color += shares.below * texture(diffuse_light, -n).rgb * (part(kDiffusePart) / kShadePi);
+  color += shares.below * irradiance(-n) * (part(kDiffusePart) / kShadePi);
 #endif
 #ifdef HAS_FIBRES
 #ifdef HAS_SHEEN_LIGHT
@@ -110,9 +133,9 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
            textureLod(sheen_light, far_light_direction(2.0 * wo.z * n - p.wo),
                       far_light_level(roughness_to_alpha(s.sheen_roughness)))
                .rgb *
-           (part(kSheenPart) * visible);
+           (part(kSheenPart) * visible * far_light_factor());
 #else
-  color += shares.sheen * texture(diffuse_light, n).rgb * (part(kSheenPart) * visible / kShadePi);
+  color += shares.sheen * irradiance(n) * (part(kSheenPart) * visible / kShadePi);
 #endif
 #endif
 #ifdef LOBE_clearcoat

@@ -8,7 +8,7 @@ const float kColorDepth = 0.25;
 vec3 scattered_light(Point p, SurfaceShares shares) {
   vec3 n = p.normal;
 #ifdef HAS_FAR_LIGHT
-  vec3 arriving = texture(diffuse_light, n).rgb * occlusion();
+  vec3 arriving = irradiance(n) * occlusion();
 #else
   vec3 arriving = vec3(0.0);
 #endif

@@ -43,7 +43,8 @@ std::vector<Member> members_of_frame() {
           CANDELA_MEMBER(FrameBlock, picture_levels),  CANDELA_MEMBER(FrameBlock, light_radius),
           CANDELA_MEMBER(FrameBlock, noise_turn),      CANDELA_MEMBER(FrameBlock, shadow_share),
           CANDELA_MEMBER(FrameBlock, light_count),     CANDELA_MEMBER(FrameBlock, shown_parts),
-          CANDELA_MEMBER(FrameBlock, shown_light),     CANDELA_MEMBER(FrameBlock, area_count)};
+          CANDELA_MEMBER(FrameBlock, shown_light),     CANDELA_MEMBER(FrameBlock, area_count),
+          CANDELA_MEMBER(FrameBlock, light_turn)};
 }
 
 std::vector<Member> members_of_lights() {

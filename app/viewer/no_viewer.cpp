@@ -1,12 +1,12 @@
 #include "base/parts.h"
-#include "cli/viewer.h"
 #include "raster/render.h"
+#include "viewer/viewer.h"
 
-namespace candela::cli {
+namespace candela::viewer {
 
 void show(const ViewOptions&) {
   raster::check_built();
   throw absent_part("windows", "CANDELA_WITH_WINDOW");
 }
 
-}  // namespace candela::cli
+}  // namespace candela::viewer
