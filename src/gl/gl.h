@@ -31,9 +31,16 @@ class Context {
  private:
   Context(void* display, void* context) : display_(display), context_(context) {}
 
-  void* display_;  // of EGL, whose header stays in gl.cpp
+  void* display_;  // of EGL, whose header stays in context.cpp
   void* context_;
 };
+
+/// Whether glGetQueryObjectuiv() waits for its answer, which it does not in a browser.
+#ifdef __EMSCRIPTEN__
+inline constexpr bool kAnswersQueries = false;
+#else
+inline constexpr bool kAnswersQueries = true;
+#endif
 
 /// Whether the driver names an extension, e.g. "GL_EXT_color_buffer_float".
 bool has_extension(const char* name);

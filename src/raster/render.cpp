@@ -362,7 +362,7 @@ void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistic
     return;
   }
   // The light is baked while this thread, the driver's, uploads and compiles.
-  std::future<void> baked = std::async(std::launch::async, [&] {
+  std::future<void> baked = std::async(kHasThreads ? std::launch::async : std::launch::deferred, [&] {
     const Stopwatch baking;
     device().bake(lit_by_, uses_sheen(*scene_), settings.cache);
     s.light_s = baking.seconds();
