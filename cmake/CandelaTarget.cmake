@@ -30,5 +30,13 @@ function(candela_library folder)
   target_include_directories(candela_${folder} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/candela>)
   target_link_libraries(candela_${folder} PUBLIC ${arg_LINKS} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:candela_options>)
+  if(EMSCRIPTEN)
+    # emscripten's compiler has no other cache, and reading these takes it most of its time.
+    target_precompile_headers(candela_${folder} PRIVATE <algorithm> <filesystem> <functional> <map> <memory> <optional> <span> <string> <vector>
+      <fmt/format.h> <glm/glm.hpp> <glm/gtc/quaternion.hpp>)
+    if(nlohmann_json::nlohmann_json IN_LIST arg_PRIVATE)
+      target_precompile_headers(candela_${folder} PRIVATE <nlohmann/json.hpp>)
+    endif()
+  endif()
   set_property(GLOBAL APPEND PROPERTY CANDELA_LIBRARIES candela_${folder})
 endfunction()

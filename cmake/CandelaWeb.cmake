@@ -27,7 +27,8 @@ foreach(library glm nlohmann)
   find_path(CANDELA_WEB_${library} ${library} PATHS /usr/include /usr/local/include NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH REQUIRED)
   file(CREATE_LINK ${CANDELA_WEB_${library}}/${library} ${candela_system_headers}/${library} SYMBOLIC)
 endforeach()
-include_directories(SYSTEM ${PROJECT_SOURCE_DIR}/web/module/headers ${candela_system_headers})
+get_target_property(candela_fmt_headers fmt::fmt INTERFACE_INCLUDE_DIRECTORIES)
+include_directories(SYSTEM ${PROJECT_SOURCE_DIR}/web/module/headers ${candela_system_headers} ${candela_fmt_headers})
 
 # The names that the folders of src/ know: static libraries where those are shared ones, nothing for what a browser has itself or goes
 # without (docs/web.md).

@@ -63,6 +63,7 @@ export type Call =
   | { call: "animation"; name: string | null; playing: boolean; time?: number }
   | { call: "picture"; width: number; height: number; frames: number }
   | { call: "check" }
+  | { call: "lose" }
   | { call: "bake"; size?: number };
 
 /** Without an answer: what is asked for last counts. */

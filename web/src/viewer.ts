@@ -439,6 +439,12 @@ export class CandelaViewer extends HTMLElement {
     return files.map(({ name, data }) => new File([data], name));
   }
 
+  /** Takes the graphics context away and gives it back, as a driver's reset does: for tests of pages. */
+  async loseContext(): Promise<void> {
+    await this.ready();
+    await this.call<null>({ call: "lose" });
+  }
+
   play(): void {
     const first = this.info_?.animations[0];
     if (first === undefined) return;

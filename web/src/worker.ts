@@ -341,6 +341,15 @@ class Renderer {
     return files;
   }
 
+  private lose(): null {
+    const kAwayMs = 100;
+    const door = this.canvas.getContext("webgl2")?.getExtension("WEBGL_lose_context");
+    if (!door) throw new FileError("this browser does not take its contexts away", "");
+    door.loseContext();
+    setTimeout(() => door.restoreContext(), kAwayMs);
+    return null;
+  }
+
   abortLoad(): void {
     this.loading?.abort();
   }
@@ -368,6 +377,8 @@ class Renderer {
         return this.call({ call: "check" });
       case "bake":
         return this.bake(call.size);
+      case "lose":
+        return this.lose();
     }
   }
 }
