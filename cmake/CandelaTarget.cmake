@@ -8,6 +8,10 @@ target_compile_options(candela_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-r
 if(CANDELA_WERROR)
   target_compile_options(candela_options INTERFACE -Werror)
 endif()
+if(EMSCRIPTEN)
+  # Sizes have 32 bits there; what could be larger is checked where it is read, and new refuses what does not fit.
+  target_compile_options(candela_options INTERFACE -Wno-shorten-64-to-32)
+endif()
 # A finite result is asserted everywhere, so NaN must stay NaN: no -ffast-math. Not setting errno only frees sqrt for inlining.
 target_compile_options(candela_options INTERFACE -fno-math-errno -fno-trapping-math)
 if(CANDELA_NATIVE)

@@ -28,13 +28,6 @@ class StopScope {
   const std::atomic<bool>* outer_;
 };
 
-/// Whether there are threads at all: else std::async can only be deferred.
-#ifdef __EMSCRIPTEN__
-inline constexpr bool kHasThreads = false;
-#else
-inline constexpr bool kHasThreads = true;
-#endif
-
 /// How many threads parallel_for may use now.
 int thread_count();
 

@@ -35,13 +35,6 @@ class Context {
   void* context_;
 };
 
-/// Whether glGetQueryObjectuiv() waits for its answer, which it does not in a browser.
-#ifdef __EMSCRIPTEN__
-inline constexpr bool kAnswersQueries = false;
-#else
-inline constexpr bool kAnswersQueries = true;
-#endif
-
 /// Whether the driver names an extension, e.g. "GL_EXT_color_buffer_float".
 bool has_extension(const char* name);
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "base/browser.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "gl/gl.h"
@@ -362,7 +363,7 @@ void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistic
     return;
   }
   // The light is baked while this thread, the driver's, uploads and compiles.
-  std::future<void> baked = std::async(kHasThreads ? std::launch::async : std::launch::deferred, [&] {
+  std::future<void> baked = std::async(kIsBrowser ? std::launch::deferred : std::launch::async, [&] {
     const Stopwatch baking;
     device().bake(lit_by_, uses_sheen(*scene_), settings.cache);
     s.light_s = baking.seconds();

@@ -17,8 +17,44 @@ const kTypes = { ".html": "text/html", ".js": "text/javascript", ".css": "text/c
 
 const kEmpty = `<!doctype html><html lang="en"><title>test</title><body style="margin:0"><script type="module" src="/viewer.js"></script></body>`;
 
+/** A cube with one red, one green and one blue pair of sides, its numbers in a file beside it. */
+const kCube = (() => {
+  const positions = [];
+  const indices = [[], [], []];
+  for (let axis = 0; axis < 3; ++axis) {
+    for (const side of [-1, 1]) {
+      const first = positions.length / 3;
+      for (const [a, b] of [[-1, -1], [1, -1], [1, 1], [-1, 1]]) {
+        const corner = [0, 0, 0];
+        corner[axis] = side;
+        corner[(axis + 1) % 3] = a * side;
+        corner[(axis + 2) % 3] = b;
+        positions.push(...corner);
+      }
+      indices[axis].push(...[0, 1, 2, 0, 2, 3].map((i) => first + i));
+    }
+  }
+  const numbers = Buffer.concat([Buffer.from(new Float32Array(positions).buffer), Buffer.from(new Uint16Array(indices.flat()).buffer)]);
+  const bytes = positions.length * 4;
+  const accessors = [{ bufferView: 0, componentType: 5126, count: 24, type: "VEC3", min: [-1, -1, -1], max: [1, 1, 1] }];
+  for (let axis = 0; axis < 3; ++axis) accessors.push({ bufferView: 1, byteOffset: axis * 24, componentType: 5123, count: 12, type: "SCALAR" });
+  const document = {
+    asset: { version: "2.0" },
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [0, 1, 2].map((axis) => ({ attributes: { POSITION: 0 }, indices: axis + 1, material: axis })) }],
+    materials: [0, 1, 2].map((axis) => ({ pbrMetallicRoughness: { metallicFactor: 0, baseColorFactor: [...[0, 1, 2].map((c) => (c === axis ? 0.7 : 0.05)), 1] } })),
+    accessors,
+    bufferViews: [{ buffer: 0, byteLength: bytes }, { buffer: 0, byteOffset: bytes, byteLength: numbers.length - bytes }],
+    buffers: [{ uri: "cube%20numbers.bin", byteLength: numbers.length }],
+  };
+  return { document: JSON.stringify(document), numbers };
+})();
+
 /** Answers that no file gives. */
 const kMade = {
+  "/cube.gltf": (response) => response.writeHead(200).end(kCube.document),
+  "/cube numbers.bin": (response) => response.writeHead(200).end(kCube.numbers),
   "/empty.html": (response) => response.writeHead(200, { "content-type": "text/html" }).end(kEmpty),
   "/broken.glb": (response) => response.writeHead(200).end(Buffer.from("glTF\u0002\0\0\0\u0040\0\0\0 no chunk")),
   "/text.glb": (response) => response.writeHead(200).end("this is no model"),

@@ -21,9 +21,9 @@ const line = (page) => page.locator("candela-viewer").evaluate((viewer) => viewe
 
 test("web.a_model_is_drawn_and_keys_turn_it", async () => {
   const page = await empty();
-  const told = await addViewer(page, { src: "demo:spheres" });
+  const told = await addViewer(page, { src: "/cube.gltf" });
   assert.equal(told.error, undefined, JSON.stringify(told));
-  assert.ok(told.info.triangles > 1000);
+  assert.equal(told.info.triangles, 12);
   const first = await shownColors(page);
   assert.ok(first.mean > 20 && first.deviation > 10, `a blank picture: ${JSON.stringify(first)}`);
 
@@ -38,22 +38,22 @@ test("web.a_model_is_drawn_and_keys_turn_it", async () => {
   const seen = await page.locator("candela-viewer").evaluate((viewer) => viewer.cameraOrbit);
   await page.keyboard.press("Tab"); // nothing else can have the focus
   const right = await orbitAfter("ArrowRight");
-  assert.ok(right.azimuth > seen.azimuth && right.elevation === seen.elevation, JSON.stringify([seen, right]));
+  assert.ok(right.azimuth > seen.azimuth && Math.abs(right.elevation - seen.elevation) < 1e-5, JSON.stringify([seen, right]));
   const up = await orbitAfter("ArrowUp");
-  assert.ok(up.elevation > right.elevation, JSON.stringify([right, up]));
+  assert.ok(up.elevation > right.elevation + 0.1, JSON.stringify([right, up]));
   const near = await orbitAfter("+");
   assert.ok(near.scale < up.scale, JSON.stringify([up, near]));
   const turned = await shownColors(page);
   assert.notDeepEqual(turned, first);
   const home = await orbitAfter("Home");
-  assert.deepEqual(home, seen);
+  assert.ok(Math.abs(home.azimuth - seen.azimuth) < 1e-5 && home.scale === seen.scale, JSON.stringify([seen, home]));
   assert.deepEqual(page.thrown, []);
   await page.context().close();
 });
 
 test("web.a_picture_has_the_size_that_was_asked_for", async () => {
   const page = await empty();
-  await addViewer(page, { src: "demo:spheres" });
+  await addViewer(page, { src: "/cube.gltf" });
   const size = await page.locator("candela-viewer").evaluate(async (viewer) => {
     const picture = await viewer.render({ width: 96, height: 64, frames: 2 });
     return [picture.width, picture.height];
@@ -69,10 +69,10 @@ for (const [law, attributes, message] of [
   ["a_broken_file", { src: "/broken.glb" }, /^broken\.glb: /],
   ["what_is_no_model", { src: "/text.glb" }, /^text\.glb: /],
   ["a_scene_that_is_not_built_in", { src: "demo:nothing" }, /nothing/],
-  ["a_light_that_is_none", { env: "/text.glb", src: "demo:spheres" }, /text\.glb/],
-  ["a_word_that_is_no_exposure", { exposure: "bright", src: "demo:spheres" }, /exposure="bright" is no positive number/],
-  ["a_camera_orbit_without_units", { "camera-orbit": "45 70 2", src: "demo:spheres" }, /camera-orbit="45 70 2"/],
-  ["an_unknown_tone_curve", { tonemap: "sepia", src: "demo:spheres" }, /sepia/],
+  ["a_light_that_is_none", { env: "/text.glb", src: "/cube.gltf" }, /text\.glb/],
+  ["a_word_that_is_no_exposure", { exposure: "bright", src: "/cube.gltf" }, /exposure="bright" is no positive number/],
+  ["a_camera_orbit_without_units", { "camera-orbit": "45 70 2", src: "/cube.gltf" }, /camera-orbit="45 70 2"/],
+  ["an_unknown_tone_curve", { tonemap: "sepia", src: "/cube.gltf" }, /sepia/],
 ]) {
   test(`web.${law}_is_one_line_in_the_page_and_an_error_event`, async () => {
     const page = await empty();
@@ -97,17 +97,17 @@ test("web.a_file_of_two_gigabytes_is_refused_before_it_is_read", async () => {
 
 test("web.what_was_shown_stays_when_another_file_is_broken", async () => {
   const page = await empty();
-  await addViewer(page, { src: "demo:spheres" });
+  await addViewer(page, { src: "/cube.gltf" });
   const message = await page.locator("candela-viewer").evaluate((viewer) => viewer.load("/broken.glb").catch((error) => error.message));
   assert.match(message, /^broken\.glb: /);
   const triangles = await page.locator("candela-viewer").evaluate((viewer) => viewer.info.triangles);
-  assert.ok(triangles > 1000);
+  assert.equal(triangles, 12);
   await page.context().close();
 });
 
 test("web.a_lost_context_comes_back_with_the_picture", async () => {
   const page = await empty();
-  await addViewer(page, { src: "demo:spheres" });
+  await addViewer(page, { src: "/cube.gltf" });
   const { mean } = await shownColors(page);
   await page.locator("candela-viewer").evaluate(
     (viewer) =>

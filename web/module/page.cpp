@@ -28,12 +28,14 @@ void Page::load(const std::string& path, const std::string& variant) {
   auto scene = std::make_shared<const Scene>(asset.scene());
   Environment environment = environment_name_.empty() ? default_light(*scene, &told) : *environment_;
   Extent extent(*scene);
+  const std::optional<std::size_t> camera = default_camera(*scene, 1.0f, &told);
   // From here on nothing fails.
   drawer_.reset();
   path_ = path;
   asset_ = std::move(asset);
   scene_ = at_rest_ = std::move(scene);
   extent_ = std::move(extent);
+  camera_ = camera;
   environment_ = std::move(environment);
   develop_ = default_develop(*scene_, *environment_);
   metered_.reset();
@@ -101,10 +103,7 @@ View Page::view(const Look& look) {
     const float framed = glm::distance(vec3(framed_.world_from_camera[3]), center);
     orbit_.distance_scale = *look.sight.distance / framed;
   }
-  if (!look.sight.is_given()) {
-    if (const auto camera = default_camera(*scene_, aspect, nullptr))
-      return scene_camera(*scene_, scene_->nodes[*camera], aspect);
-  }
+  if (!look.sight.is_given() && camera_) return scene_camera(*scene_, scene_->nodes[*camera_], aspect);
   return moved_to(framed_, center, orbit_);
 }
 

@@ -76,6 +76,8 @@ class Page {
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Scene> at_rest_;  ///< is what is framed: what moves shall not move the camera
   std::optional<Extent> extent_;          ///< of it
+  /// The node of the file's own, found once: whether it sees anything takes long to find out.
+  std::optional<std::size_t> camera_;
   std::string environment_name_;
   std::optional<Environment> environment_;
   DevelopSettings develop_;
