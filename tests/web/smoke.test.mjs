@@ -29,11 +29,13 @@ test("web.a_model_is_drawn_and_keys_turn_it", async () => {
 
   // What the frame after a key shows, which is no more than what was asked for.
   const orbitAfter = async (key) => {
-    const drawn = page.locator("candela-viewer").evaluate(
-      (viewer) => new Promise((resolve) => viewer.addEventListener("frame", () => resolve(viewer.cameraOrbit), { once: true })),
-    );
+    // The promise has to be there before the key is pressed.
+    await page.evaluate(() => {
+      const viewer = document.querySelector("candela-viewer");
+      window.drawn = new Promise((resolve) => viewer.addEventListener("frame", () => resolve(viewer.cameraOrbit), { once: true }));
+    });
     await page.keyboard.press(key);
-    return drawn;
+    return page.evaluate(() => window.drawn);
   };
   const seen = await page.locator("candela-viewer").evaluate((viewer) => viewer.cameraOrbit);
   await page.keyboard.press("Tab"); // nothing else can have the focus
