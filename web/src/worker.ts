@@ -51,6 +51,7 @@ class Renderer {
     canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault(); // else it never comes back
       this.isLost = true;
+      this.call({ call: "forget" }); // while it is lost nothing of it can be deleted wrongly
       send({ event: "context", lost: true });
     });
     canvas.addEventListener("webglcontextrestored", () => {
@@ -79,8 +80,9 @@ class Renderer {
       known.initExtensionsDone = false;
       this.module.GL.initExtensions(known);
     }
+    const gl = this.canvas.getContext("webgl2");
+    while (gl !== null && gl.getError() !== gl.NO_ERROR); // of calls that met no context
     this.isLost = false;
-    this.call({ call: "forget" });
     send({ event: "context", lost: false });
     this.invalidate();
   }
