@@ -7,8 +7,8 @@
 
 #include "image/image.h"
 
-/// Pictures that a browser has decoded, with its own decoders and on its own threads. It does so only while no code runs, so that
-/// the page hands them over before a file is read, and whoever decodes the same bytes gets them.
+/// Pictures that a browser has decoded, with its own decoders and on its own threads. It does so only while no code
+/// runs, so that the page hands them over before a file is read, and whoever decodes the same bytes gets them.
 namespace candela {
 
 /// `bytes` are the picture's file. Replaces what was given of the same file.

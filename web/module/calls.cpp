@@ -12,8 +12,8 @@
 #include "io/gltf.h"
 #include "page.h"
 
-// The doors through which web/src/worker.ts comes. A call and its answer are JSON; whatever is wrong is an answer, too: nothing
-// is thrown into the page.
+// The doors through which web/src/worker.ts comes. A call and its answer are JSON; whatever is wrong is an answer, too:
+// nothing is thrown into the page.
 namespace candela::web {
 
 namespace {
@@ -153,8 +153,8 @@ Json forget_drawing(State& state, const Json&) {
 
 const std::map<std::string_view, Json (*)(State&, const Json&)>& calls() {
   static const std::map<std::string_view, Json (*)(State&, const Json&)> table = {
-      {"bake", bake},       {"check", check},       {"draw", draw},     {"environment", set_environment},
-      {"files", files},     {"forget", forget_drawing}, {"load", load}, {"picture", picture},
+      {"bake", bake},     {"check", check},           {"draw", draw}, {"environment", set_environment},
+      {"files", files},   {"forget", forget_drawing}, {"load", load}, {"picture", picture},
       {"pose", set_pose}, {"variant", set_variant}};
   return table;
 }

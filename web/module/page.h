@@ -32,8 +32,8 @@ struct Look {
   ToneCurve tone_curve = ToneCurve::pbr_neutral;
 };
 
-/// A scene that is drawn on a canvas, whose context is current all the time. Everything throws Error, and leaves what was
-/// shown before.
+/// A scene that is drawn on a canvas, whose context is current all the time. Everything throws Error, and leaves what
+/// was shown before.
 class Page {
  public:
   /// Replaces the scene, at rest.
