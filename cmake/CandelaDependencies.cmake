@@ -1,4 +1,8 @@
 # Debian 12 packages only (the `dev` script installs them). Nothing is downloaded and nothing is bundled.
+if(EMSCRIPTEN)
+  include(CandelaWeb)
+  return()
+endif()
 
 find_package(Python3 COMPONENTS Interpreter REQUIRED)
 find_package(Freetype REQUIRED)

@@ -8,6 +8,10 @@ target_compile_options(candela_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-r
 if(CANDELA_WERROR)
   target_compile_options(candela_options INTERFACE -Werror)
 endif()
+if(EMSCRIPTEN)
+  # Sizes have 32 bits there; what could be larger is checked where it is read, and new refuses what does not fit.
+  target_compile_options(candela_options INTERFACE -Wno-shorten-64-to-32)
+endif()
 # A finite result is asserted everywhere, so NaN must stay NaN: no -ffast-math. Not setting errno only frees sqrt for inlining.
 target_compile_options(candela_options INTERFACE -fno-math-errno -fno-trapping-math)
 if(CANDELA_NATIVE)
@@ -30,5 +34,13 @@ function(candela_library folder)
   target_include_directories(candela_${folder} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/candela>)
   target_link_libraries(candela_${folder} PUBLIC ${arg_LINKS} PRIVATE ${arg_PRIVATE} $<BUILD_INTERFACE:candela_options>)
+  if(EMSCRIPTEN)
+    # emscripten's compiler has no other cache, and reading these takes it most of its time.
+    target_precompile_headers(candela_${folder} PRIVATE <algorithm> <filesystem> <functional> <map> <memory> <optional> <span> <string> <vector>
+      <fmt/format.h> <glm/glm.hpp> <glm/gtc/quaternion.hpp>)
+    if(nlohmann_json::nlohmann_json IN_LIST arg_PRIVATE)
+      target_precompile_headers(candela_${folder} PRIVATE <nlohmann/json.hpp>)
+    endif()
+  endif()
   set_property(GLOBAL APPEND PROPERTY CANDELA_LIBRARIES candela_${folder})
 endfunction()

@@ -31,7 +31,7 @@ class Context {
  private:
   Context(void* display, void* context) : display_(display), context_(context) {}
 
-  void* display_;  // of EGL, whose header stays in gl.cpp
+  void* display_;  // of EGL, whose header stays in context.cpp
   void* context_;
 };
 

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
+#include "image/browser_pictures.h"
 #include "image/codec.h"
 #include "image/texture_file.h"
 #include "shade/color.glsl.h"
@@ -137,6 +138,14 @@ ivec2 read_image_size(std::span<const std::byte> bytes, const std::string& where
 }
 
 TextureImage decode_texture(std::span<const std::byte> bytes, const std::string& where) {
+#ifdef __EMSCRIPTEN__
+  // What the browser has decoded already; the header is still judged here.
+  if (const TextureImage* given = find_browser_picture(bytes)) {
+    TextureImage picture = *given;
+    picture.has_alpha = read_image_header(bytes, where).has_alpha;
+    return picture;
+  }
+#endif
   switch (const ImageFormat format = sniff_image_format(bytes)) {
     case ImageFormat::png:
       return codec::decode_png(bytes, where);

@@ -102,7 +102,7 @@ class ByteWriter {
  public:
   void u32(std::uint32_t value) { number(value); }
   void u64(std::uint64_t value) { number(value); }
-  void text(std::string_view value) { append(std::as_bytes(std::span(value))); }
+  void text(std::string_view value) { append(std::as_bytes(std::span(value.data(), value.size()))); }
   void append(std::span<const std::byte> value) { bytes.insert(bytes.end(), value.begin(), value.end()); }
   void zeros(std::size_t count) { bytes.resize(bytes.size() + count); }
   void align(std::size_t alignment) { zeros((alignment - bytes.size() % alignment) % alignment); }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "base/browser.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "gl/gl.h"
@@ -406,7 +407,7 @@ void Drawer::Impl::prepare(const View& view, const Settings& settings, Statistic
     return;
   }
   // The light is baked while this thread, the driver's, uploads and compiles.
-  std::future<void> baked = std::async(std::launch::async, [&] {
+  std::future<void> baked = std::async(kIsBrowser ? std::launch::deferred : std::launch::async, [&] {
     if (given_light_) return;
     const StopScope scope(stop);
     const Stopwatch baking;
