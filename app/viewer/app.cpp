@@ -172,6 +172,7 @@ void App::take_model(std::shared_ptr<Model> model) {
   ++loads_;
   warn(model_->warnings());
   picked_.reset();
+  explained_.clear();
   thumbnails_.clear();
   if (is_another) {
     edits_ = std::make_shared<const Edits>();
@@ -292,6 +293,7 @@ bool App::has(const std::string& what, int count) const {
   if (what == "lit") return light_ != nullptr && !light_->is_plain && !loading_->is_lighting();
   if (what == "judged") return verdict_.has_value();
   if (what == "picked") return picks_ >= count;
+  if (what == "explained") return explanations_ >= count;
   if (what == "saved") return saves_ >= count;
   if (what == "failed") return failures_ >= count;
   if (what == "sketched") return shown_ != nullptr;
@@ -329,6 +331,7 @@ std::string App::state() {
   if (picked_) {
     json["picked"] = {{"pixel", {picked_->pixel.x, picked_->pixel.y}}, {"node", picked_->sample.node}};
   }
+  json["explained"] = explained_;
   json["material"] = material_;
   json["loads"] = loads_;
   json["message"] = messages_.empty() ? "" : messages_.back().text;

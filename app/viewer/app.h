@@ -59,7 +59,7 @@ class App {
   /// A line of JSON; the longest time without an answer is that since the last one.
   std::string state();
   /// Whether what a script may wait for is there, so often or with so many samples: "loaded", "lit", "drawn", "traced",
-  /// "judged", "picked", "saved", "failed". Throws Error for anything else.
+  /// "judged", "picked", "explained", "saved", "failed". Throws Error for anything else.
   bool has(const std::string& what, int count) const;
 
  private:
@@ -124,6 +124,7 @@ class App {
   void panel_lamps();
   void panel_material();
   void panel_findings();
+  void panel_pixel();
   void panel_saving();
   bool edit_row(std::size_t row, const Material& material, MaterialEdit& edit);
   void show_texture(const Scene& scene, const TextureSlot& slot, std::size_t slot_index);
@@ -145,6 +146,7 @@ class App {
   std::optional<Verdict> verdict_;
   std::vector<Marker> markers_;
   std::optional<Picked> picked_;
+  std::string explained_;  ///< what there is to say of the pixel that was clicked on
   std::map<const TextureImage*, GuiPicture> thumbnails_;
   FileWatch watched_, watched_shaders_;
 
@@ -182,7 +184,7 @@ class App {
   vec2 pressed_at_{0.0f}, pointer_{0.0f};
   bool is_dragging_ = false, is_at_divider_ = false;
   bool wants_trace_ = false;
-  int loads_ = 0, saves_ = 0, picks_ = 0, failures_ = 0;
+  int loads_ = 0, saves_ = 0, picks_ = 0, explanations_ = 0, failures_ = 0;
   double play_lag_ = 0.0, framed_s_ = 0.0;
   DisplayImage last_window_;  ///< while a script plays
   int whole_frames_ = 0;

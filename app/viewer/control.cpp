@@ -121,6 +121,7 @@ void App::act(const gl::WindowEvent& event) {
     if (has_help_ || picked_) {
       has_help_ = false;
       picked_.reset();
+      explained_.clear();
     } else {
       is_closing_ = true;
     }

@@ -153,6 +153,12 @@ void App::pick(vec2 position) {
     const Mesh& mesh = picked.scene->meshes[static_cast<std::size_t>(node.mesh)];
     material_ = mesh.primitives[static_cast<std::size_t>(picked.sample.primitive)].material;
   });
+  explained_.clear();
+  tracing_->explain(look(), ivec2(position), [this](std::string text) {
+    explained_ = std::move(text);
+    ++explanations_;
+    wants_trace_ = is_split_;
+  });
 }
 
 void App::judge() {

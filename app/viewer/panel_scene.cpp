@@ -64,6 +64,13 @@ void App::panel_picture() {
   if (shown_ != nullptr) ImGui::TextDisabled("%.1f ms a frame", 1e3 * shown_->seconds);
 }
 
+void App::panel_pixel() {
+  if (explained_.empty()) return ImGui::TextDisabled("click on the picture");
+  ImGui::PushTextWrapPos(0.0f);
+  ImGui::TextUnformatted(explained_.c_str(), explained_.c_str() + explained_.size());
+  ImGui::PopTextWrapPos();
+}
+
 void App::panel_light() {
   const std::span<const std::string> names = built_in_environments();
   const std::string now = light_name_.empty() ? "the model's own" : light_name_;

@@ -217,6 +217,7 @@ void App::build_panel() {
     if (section("Scene", true)) panel_scene();
     if (!scene()->lights.empty() && section("Lamps", false)) panel_lamps();
     if (section("Material", true)) panel_material();
+    if (section("Pixel", false)) panel_pixel();
     if (section("Findings", false)) panel_findings();
     if (section("Save", false)) panel_saving();
     ImGui::PopItemWidth();

@@ -6,7 +6,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "candela/explain.h"
 #include "candela/taking.h"
+#include "cli/explain_report.h"
 #include "cli/values.h"
 
 namespace candela::viewer {
@@ -38,6 +40,31 @@ void Tracing::trace(Look look, int samples, std::optional<denoise::Method> denoi
     } catch (const std::exception& error) {
       mailbox_.post([this, text = cli::one_line(error.what())] { told_.failed(text); });
     }
+  });
+}
+
+void Tracing::explain(Look look, ivec2 pixel, std::function<void(std::string)> explained) {
+  constexpr int kPaths = 1024;
+  constexpr std::size_t kShown = 3;
+  worker_.ask([this, look = std::move(look), pixel, explained = std::move(explained)](const Job& job) {
+    std::string text;
+    try {
+      const StopScope scope(job.stop);
+      prepare(look);
+      path::Settings settings = traced_settings(look.shot);
+      settings.samples = kPaths;
+      Explanation explanation;
+      explanation.scene = prepared_.scene;
+      explanation.size = {settings.width, settings.height};
+      explanation.view = view_of(look, *prepared_.scene);
+      explanation.pixels.push_back(explain_pixel(*tracer_, explanation.view, settings, pixel, kShown, job));
+      text = cli::explain_text(explanation);
+    } catch (const Interrupted&) {
+      return;  // something else is wanted
+    } catch (const std::exception& error) {
+      text = cli::one_line(error.what());
+    }
+    mailbox_.post([explained, text = std::move(text)] { explained(text); });
   });
 }
 

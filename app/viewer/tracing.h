@@ -34,6 +34,8 @@ class Tracing {
 
   /// `exposure` is what the picture beside it has.
   void trace(Look look, int samples, std::optional<denoise::Method> denoiser);
+  /// In place of what it is at: passes what `candela explain` says of a pixel, or why it says nothing.
+  void explain(Look look, ivec2 pixel, std::function<void(std::string)> explained);
   void stop() { worker_.stop(); }
   bool is_busy() const { return worker_.is_busy(); }
 

@@ -264,6 +264,16 @@ std::vector<LobeCut> cut_lobes(const path::PixelSurface& p) {
   return cuts;
 }
 
+PixelExplanation explain_pixel(const path::Tracer& tracer, const View& view, const path::Settings& settings,
+                               ivec2 pixel, std::size_t paths, const Job& job) {
+  PixelExplanation p;
+  p.pixel = pixel;
+  p.surface = path::find_pixel_surface(tracer, view, {settings.width, settings.height}, pixel);
+  if (p.surface) p.properties = find_properties(tracer.scene(), *p.surface);
+  p.truth = path::trace_pixel(tracer, view, settings, pixel, {paths}, job);
+  return p;
+}
+
 Explanation explain(const Shot& wished, const ExplainSettings& settings, const Job& job) {
   if (settings.pixels.empty()) throw Error("which pixel?", "--pixel");
   if (settings.samples < 2) throw Error("a confidence needs two samples", "--spp");
@@ -281,14 +291,11 @@ Explanation explain(const Shot& wished, const ExplainSettings& settings, const J
   explanation.develop = pictures.develop();
   const path::Tracer tracer(explanation.scene, pictures.environment(), shot.shading);
   path::Settings traced = traced_settings(shot);
+  traced.samples = settings.samples;
   const JobParts parts(job, settings.pixels.size() + 1);
   for (std::size_t i = 0; i < settings.pixels.size(); ++i) {
-    PixelExplanation& p = explanation.pixels.emplace_back();
-    p.pixel = settings.pixels[i];
-    p.surface = path::find_pixel_surface(tracer, explanation.view, shot.size, p.pixel);
-    if (p.surface) p.properties = find_properties(*explanation.scene, *p.surface);
-    traced.samples = settings.samples;
-    p.truth = path::trace_pixel(tracer, explanation.view, traced, p.pixel, {settings.paths}, parts.part(i));
+    explanation.pixels.push_back(
+        explain_pixel(tracer, explanation.view, traced, settings.pixels[i], settings.paths, parts.part(i)));
   }
   const Job last = parts.part(settings.pixels.size());
   if (settings.has_frame) {

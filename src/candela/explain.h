@@ -92,6 +92,11 @@ std::vector<LobeCut> cut_lobes(const path::PixelSurface& surface);
 /// The share of a standard error that is added to both sides for 95 % confidence.
 inline constexpr float kConfidence95 = 1.96f;
 
+/// One pixel without the frame: of a picture that the tracer would make of a view with these settings, with all of
+/// their samples. Throws as path::trace_pixel().
+PixelExplanation explain_pixel(const path::Tracer& tracer, const View& view, const path::Settings& settings,
+                               ivec2 pixel, std::size_t paths, const Job& job = {});
+
 /// Of a shot with one picture. Both engines see the same; the engine of the shot does not count. It has no other
 /// background than the environment, no ground, no shutter, no parts. Throws Error as Take does and for a pixel outside
 /// the picture; Interrupted after a stop.

@@ -209,6 +209,15 @@ class Display(CliTest):
         self.assertEqual([state["picked"]["node"] for state in states], [0, -1])
         self.assertEqual(states[0]["picked"]["pixel"], [160, 120])
 
+    def test_a_click_explains_the_pixel(self):
+        states, _ = self.play("key tab", "wait drawn", "click 160,120", "wait explained", "state", "click 2,2", "wait explained 2",
+                              "state", "close")  # fmt: skip
+        ball, sky = (state["explained"] for state in states)
+        self.assertRegex(ball, r"(?m)^pixel +160,120 of 320x240$")
+        for word in ("surface", "material", "albedo", "truth", "sources", "paths"):
+            self.assertRegex(ball, rf"(?m)^{word} ")
+        self.assertIn("sees the environment", sky)
+
     def test_the_traced_picture_converges_and_input_is_answered_meanwhile(self):
         states, _ = self.play("key tab", "wait drawn", "key T", "wait traced 4", "state", "drag 60,100 90,100", "state", "wait traced 2",
                               "state", "close", scene="demo:spheres", size="200x150")  # fmt: skip
