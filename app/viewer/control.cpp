@@ -56,9 +56,9 @@ void App::press(const gl::WindowEvent& event) {
     const bool is_click = held_ == gl::MouseButton::left && !is_dragging_ && !is_at_divider_;
     if (held_ == event.button) {
       held_.reset();
-      if (is_click) pick(event.position);
       is_dragging_ = is_at_divider_ = false;
-      change();
+      if (!is_click) return change();
+      pick(event.position);  // nothing else has changed, and what is traced goes on after it
     }
     return;
   }
