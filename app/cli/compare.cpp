@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -21,6 +20,7 @@
 #include "cli/render_options.h"
 #include "cli/render_outputs.h"
 #include "cli/scene_options.h"
+#include "cli/threads.h"
 #include "cli/verbs.h"
 
 namespace candela::cli {
@@ -93,12 +93,7 @@ void finish(const Command& command, CompareOptions& o) {
 /// Refuses what cannot be written, and what would overwrite something that is read.
 void check_output(const CompareOptions& o) {
   if (o.output.empty()) return;
-  Inputs inputs;
-  const Shot& shot = o.recipe.shot;
-  inputs.add(shot.scene, "the scene");
-  add_scene_files({shot.scene}, shot.load.root, inputs);
-  if (o.recipe.camera_file) inputs.add(*o.recipe.camera_file, "the cameras");
-  inputs.add_environment(shot.environment.value_or(""));
+  Inputs inputs = scene_inputs(o.recipe);
   if (!o.against.empty()) inputs.add(parse_image_name(o.against).path, "the picture to judge");
   if (o.is_page()) {
     inputs.refuse(o.output);
@@ -159,9 +154,7 @@ void require_small(const CompareOptions& o, const std::vector<ViewGap>& gaps) {
 void run_compare(const Command& command, CompareOptions& o) {
   finish(command, o);
   check_output(o);
-  const ThreadLimit threads(o.recipe.threads);
-  // Mesa's processor driver has threads of its own.
-  if (o.recipe.threads > 0) setenv("LP_NUM_THREADS", std::to_string(o.recipe.threads).c_str(), 0);
+  const Threads threads(o.recipe.threads);
   const Interrupt interrupt;
   ProgressLine progress(o.recipe.quiet);
   Diagnostics diagnostics;

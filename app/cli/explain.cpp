@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <string>
@@ -20,6 +19,7 @@
 #include "cli/progress.h"
 #include "cli/render_outputs.h"
 #include "cli/scene_options.h"
+#include "cli/threads.h"
 #include "cli/verbs.h"
 
 namespace candela::cli {
@@ -76,21 +76,13 @@ void finish(const Command& command, ExplainOptions& o) {
   for (const std::string& text : o.pixels) o.settings.pixels.push_back(parse_pixel(text));
   if (o.output.empty()) return;
   if (!has_extension(o.output, ".html")) throw UsageError("--output: a page .html: " + o.output);
-  const Shot& shot = o.recipe.shot;
-  Inputs inputs;
-  inputs.add(shot.scene, "the scene");
-  add_scene_files({shot.scene}, shot.load.root, inputs);
-  if (o.recipe.camera_file) inputs.add(*o.recipe.camera_file, "the cameras");
-  inputs.add_environment(shot.environment.value_or(""));
-  inputs.refuse(o.output);
+  scene_inputs(o.recipe).refuse(o.output);
   check_writable(o.output);
 }
 
 void run_explain(const Command& command, ExplainOptions& o) {
   finish(command, o);
-  const ThreadLimit threads(o.recipe.threads);
-  // Mesa's processor driver has threads of its own.
-  if (o.recipe.threads > 0) setenv("LP_NUM_THREADS", std::to_string(o.recipe.threads).c_str(), 0);
+  const Threads threads(o.recipe.threads);
   const Interrupt interrupt;
   ProgressLine progress(o.recipe.quiet);
   Diagnostics diagnostics;

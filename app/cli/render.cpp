@@ -18,6 +18,7 @@
 #include "cli/progress.h"
 #include "cli/render_outputs.h"
 #include "cli/render_statistics.h"
+#include "cli/threads.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "image/image_file.h"
@@ -305,9 +306,7 @@ void render_all(const RenderOptions& o, const std::shared_ptr<Stage>& stage, int
 void run_render(const RenderOptions& o, const std::shared_ptr<Stage>& stage) {
   ProgressLine progress(o.quiet);
   check_memory(o);
-  const ThreadLimit threads(o.threads);
-  // Mesa's processor driver has threads of its own.
-  if (o.threads > 0) setenv("LP_NUM_THREADS", std::to_string(o.threads).c_str(), 0);
+  const Threads threads(o.threads);
   const bool is_set = o.shot.has_many_pictures() || o.scenes.size() > 1;
   std::optional<Interrupt> between;
   if (is_set) between.emplace();

@@ -3,6 +3,7 @@
 #include "candela/cache.h"
 #include "cli/camera_options.h"
 #include "cli/option.h"
+#include "cli/render_outputs.h"
 
 namespace candela::cli {
 
@@ -35,6 +36,16 @@ void finish_scene_options(const Command& command, RenderOptions& options) {
   shot.focuses_on_target = command.has("--focus-distance");
   finish_camera_options(command, options);
   finish_light_options(options);
+}
+
+Inputs scene_inputs(const RenderOptions& options) {
+  const Shot& shot = options.shot;
+  Inputs inputs;
+  inputs.add(shot.scene, "the scene");
+  add_scene_files({shot.scene}, shot.load.root, inputs);
+  if (options.camera_file) inputs.add(*options.camera_file, "the cameras");
+  inputs.add_environment(shot.environment.value_or(""));
+  return inputs;
 }
 
 }  // namespace candela::cli

@@ -8,16 +8,11 @@
 
 #include "base/error.h"
 #include "gl/gl.h"
+#include "gl/hex.h"
 
 // Contexts without a window, by EGL.
 namespace candela::gl {
 namespace {
-
-std::string hex(unsigned number) {
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "0x%04x", number);
-  return text.data();
-}
 
 bool contains_word(const char* all, const char* name) {
   if (all == nullptr) return false;

@@ -4,15 +4,10 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "gl/hex.h"
 
 namespace candela::gl {
 namespace {
-
-std::string hex(unsigned number) {
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "0x%04x", number);
-  return text.data();
-}
 
 GLuint compile(GLenum kind, const std::string& source) {
   const GLuint shader = glCreateShader(kind);
