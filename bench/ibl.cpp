@@ -1,6 +1,7 @@
 // ibl_error [PANORAMA…]: error and processor time of prefiltering, ours beside filtered importance sampling of 1024
 // samples, over panoramas and a synthetic sky with a sun of one texel. A table in Markdown on standard output.
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <exception>

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Check the direction of #include between the folders, and that third-party headers stay where they belong.
+"""Check the direction of #include between the folders, that third-party headers stay where they belong, and that who calls
+an algorithm of the standard library includes its header: some releases of the library bring it along, others do not.
 
     tools/check_layers.py [ROOT]      exit 1 and one line per violation
     tools/check_layers.py --table     the table of docs/architecture.md, which must stand there as it is printed
@@ -87,6 +88,12 @@ FREE = {"tests", "examples", "bench"}  # may use GoogleTest and whatever else th
 SYSTEM = re.compile(r"^(sys/\w+|unistd|fcntl|spawn|immintrin|xmmintrin|pmmintrin|tmmintrin|dlfcn)\.h$|^[a-z_]+$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
+ALGORITHM = re.compile(
+    r"std::(ranges::\w+|(min|max)\(\{|(all_of|any_of|binary_search|clamp|copy(_if|_n)?|count(_if)?|equal|fill(_n)?|"
+    r"find(_if)?(_not)?|for_each|generate(_n)?|is_sorted|lower_bound|(min|max)_element|minmax|mismatch|none_of|nth_element|"
+    r"partition|remove(_if)?|replace(_if)?|reverse|rotate|search|shuffle|sort|stable_sort|transform|unique|upper_bound)"
+    r"[(<])")
+
 
 def third_party_of(header):
     return next((prefix for prefix in THIRD_PARTY if header.startswith(prefix)), None)
@@ -161,6 +168,10 @@ def violations(root):
             if problem:
                 line = text.count("\n", 0, match.start(1)) + 1
                 yield f"{name}:{line}: {problem}"
+        call = ALGORITHM.search(text)
+        if call and "<algorithm>" not in text:
+            line = text.count("\n", 0, call.start()) + 1
+            yield f"{name}:{line}: {call.group(0)[:-1].rstrip('(')} is of <algorithm>, which is not included"
 
 
 def table():
@@ -190,6 +201,9 @@ PLANTED = {
     "src/extra/a.cpp": ("#include <vector>", "the folder extra is not in"),
     "app/viewer/a.cpp": ('#include <imgui.h>\n#include "viewer/b.h"', None),
     "app/cli/a.cpp": ("#include <imgui.h>", "does not belong outside of app/viewer"),
+    "src/base/b.cpp": ("int m = std::max({1, 2});", "std::max is of <algorithm>"),
+    "src/base/c.cpp": ("#include <algorithm>\nint m = std::max({1, 2});", None),
+    "tests/a.cpp": ("#include <vector>\nvoid f(std::vector<int>& v) { std::sort(v.begin(), v.end()); }", "std::sort is of"),
     "src/path/good.cpp": ('#include <embree3/rtcore.h>\n#include <tbb/task.h>\n#include "shade/x.h"\n#include <vector>', None),
 }
 

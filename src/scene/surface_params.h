@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "scene/material_table.h"
 #include "shade/model.glsl.h"
 #include "shade/surface_params.glsl.h"
