@@ -70,8 +70,8 @@ void add_pictures(Command& command, CompareOptions& o) {
 }
 
 void finish_against(const Command& command, CompareOptions& o) {
-  for (const char* option : {"--frames", "--no-suspects", "--msaa", "--ao", "--soft-shadows", "--light-radius",
-                             "--ambient", "--probes", "--no-cache", "--shaders"}) {
+  for (const char* option : {"--frames", "--no-suspects", "--msaa", "--texture-anisotropy", "--ao", "--soft-shadows",
+                             "--light-radius", "--ambient", "--probes", "--no-cache", "--shaders"}) {
     if (command.has(option)) throw UsageError(std::string(option) + ": of the frame, which --against stands for");
   }
   if (command.has("--size")) return;

@@ -55,6 +55,7 @@ std::vector<NamedColor> parts_of(const shade::LobeParts& p) {
 std::vector<NamedColor> shares_of(const path::PixelSurface& surface) {
   const shade::SurfaceShares& s = surface.shares;
   return those_there({{"specular", s.specular},
+                      {"spread", s.spread},
                       {"diffuse", s.diffuse},
                       {"sheen", s.sheen},
                       {"coat", s.coat},

@@ -445,7 +445,7 @@ void check_engine(const Command& command, const RenderOptions& o) {
            "only for --engine path");
   } else {
     refuse({"--msaa", "--no-cache", "--shaders", "--view", "--ao", "--soft-shadows", "--light-radius", "--ambient",
-            "--probes"},
+            "--probes", "--texture-anisotropy"},
            "only for --engine raster");
     if (o.shot.traced.integrator != path::Integrator::full) refuse({"--clamp"}, "only for --integrator full");
     return;
@@ -546,6 +546,11 @@ void add_quantity_option(Command& command, Shot& shot, const std::string& group)
 void add_drawing_options(Command& command, Shot& shot, bool& keeps_cache, const std::string& group) {
   add_value(command, "--msaa", "N", shot.drawn.msaa, count_within(1, 16),
             "Samples of each frame at edges, 1 to what the driver has [4]")
+      .group(group);
+  add_value(
+      command, "--texture-anisotropy", "N", shot.drawn.texture_anisotropy, count_within(1, 64),
+      "How often a texture is read along the longer side of a pixel's footprint, at most; 1 is blurred at grazing "
+      "angles, and faster without a GPU [8; 1 in a window without a GPU]")
       .group(group);
   add_value(
       command, "--ao", "X", shot.drawn.occlusion_radius, number_within(0.0f, 1.0f),

@@ -231,8 +231,8 @@ def render(
     progress: called with a Progress a few times per second, on this thread. Where it returns False the picture is what is
         there by then (Picture.is_complete); what it raises ends the work and arrives here, as Ctrl-C does.
     options: every other option of `candela render --help` that is of one picture, with _ for -: bounces, clamp, filter,
-        shading, f_number, focus_distance, blades, ground, studio, glass, and for engine="raster" msaa, view, ao,
-        soft_shadows, light_radius, ambient, probes.
+        shading, f_number, focus_distance, blades, ground, studio, glass, and for engine="raster" msaa,
+        texture_anisotropy, view, ao, soft_shadows, light_radius, ambient, probes.
 
     Raises Error.
     """

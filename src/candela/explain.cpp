@@ -79,26 +79,28 @@ class FarReader {
     if (p.is_unlit) return far;
     const shade::Surface& s = p.surface;
     add(far, {"diffuse", n, 1.0f, 0.0f, far.irradiance / kPi, p.shares.diffuse});
-    vec3 bent = n;
+    add(far, {"spread", n, 1.0f, 0.0f, far.irradiance / kPi, p.shares.spread});
+    const vec3 specular = p.shares.specular + p.shares.glass;
     if ((s.lobes & shade::kLobeAnisotropy) != 0) {
-      bent = shade::image_light_leaning(n, p.to_eye, p.frame.b, p.params.anisotropy);
+      add_streaked(far, "specular", p, p.frame, vec2(s.alpha_x, s.alpha_y), p.shares.rise, specular);
+    } else {
+      add_mirrored(far, "specular", p, n, s.alpha, p.shares.rise, specular);
     }
-    add_mirrored(far, "specular", p, bent, s.alpha, p.shares.specular + p.shares.glass);
     add(far, {"below", -n, 1.0f, 0.0f, ibl::cube_lookup(light_.irradiance, -n) / kPi, p.shares.below});
     if (!light_.sheen.empty()) {
       const float alpha = shade::roughness_to_alpha(s.sheen_roughness);
       const float level = shade::image_light_level(alpha, static_cast<float>(light_.sheen.levels.size()));
-      const vec3 direction = 2.0f * p.wo.z * n - p.to_eye;
-      add(far, {"sheen", direction, alpha, level, lookup(light_.sheen, direction, level), p.shares.sheen});
+      add(far, {"sheen", n, alpha, level, lookup(light_.sheen, n, level), p.shares.sheen});
     }
     if ((s.lobes & shade::kLobeClearcoat) != 0) {
       const vec3 coat = glm::normalize(p.frame.to_world(s.coat_normal));
-      vec3 leaning = coat;
       if ((s.lobes & shade::kLobeCoatAnisotropy) != 0) {
-        const vec3 across = glm::cross(coat, p.frame.to_world(s.coat_tangent));
-        leaning = shade::image_light_leaning(coat, p.to_eye, across, p.params.clearcoat_anisotropy);
+        const vec3 along = p.frame.to_world(s.coat_tangent);
+        const Frame frame{along, glm::cross(coat, along), coat};
+        add_streaked(far, "coat", p, frame, s.coat_widths, p.shares.coat_rise, p.shares.coat);
+      } else {
+        add_mirrored(far, "coat", p, coat, s.coat_alpha, p.shares.coat_rise, p.shares.coat);
       }
-      add_mirrored(far, "coat", p, leaning, s.coat_alpha, p.shares.coat);
     }
     return far;
   }
@@ -109,13 +111,31 @@ class FarReader {
     lookup.light = lookup.share * lookup.radiance;
     far.lookups.push_back(lookup);
   }
-  void add_mirrored(FarTerms& far, std::string_view lobe, const path::PixelSurface& p, vec3 n, float alpha,
+  void add_mirrored(FarTerms& far, std::string_view lobe, const path::PixelSurface& p, vec3 n, float alpha, float rise,
                     vec3 share) const {
     const vec3 mirrored = 2.0f * glm::dot(n, p.to_eye) * n - p.to_eye;
-    const vec3 direction = shade::image_light_dominant(n, mirrored, alpha);
+    const shade::ImageLightLookup at = shade::image_light_lookup(n, mirrored, alpha, rise);
+    add_specular(far, lobe, at.direction, at.alpha, share * shade::image_light_horizon(mirrored, p.geometric_normal));
+  }
+  void add_streaked(FarTerms& far, std::string_view lobe, const path::PixelSurface& p, const Frame& frame, vec2 widths,
+                    float rise, vec3 share) const {
+    std::array<shade::ImageLightLookup, shade::kStreakLookups> lookups;
+    const vec3 wo = frame.to_local(p.to_eye);
+    float sum = 0.0f;
+    for (int i = 0; i < shade::kStreakLookups; ++i) {
+      lookups[static_cast<std::size_t>(i)] = shade::image_light_streak(wo, widths, rise, i);
+      sum += lookups[static_cast<std::size_t>(i)].weight;
+    }
+    if (sum <= 0.0f) return add_mirrored(far, lobe, p, frame.n, widths.y, rise, share);
+    for (const shade::ImageLightLookup& at : lookups) {
+      const vec3 direction = frame.to_world(at.direction);
+      const float horizon = shade::image_light_horizon(direction, p.geometric_normal);
+      add_specular(far, lobe, direction, at.alpha, share * (at.weight / sum * horizon));
+    }
+  }
+  void add_specular(FarTerms& far, std::string_view lobe, vec3 direction, float alpha, vec3 share) const {
     const float level = shade::image_light_level(alpha, static_cast<float>(far.levels));
-    const float horizon = shade::image_light_horizon(mirrored, p.geometric_normal);
-    add(far, {lobe, direction, alpha, level, lookup(light_.specular, direction, level), share * horizon});
+    add(far, {lobe, direction, alpha, level, lookup(light_.specular, direction, level), share});
   }
 
   raster::BakedLight light_;

@@ -121,7 +121,7 @@ Figure environment_mips(FigureContext& context) {
                      "\\op{level} = \\op{levels} − 1 + \\op{log}_2 \\, α"};
   figure.sources = {kKaris, "Lagarde & de Rousiers 2014, Moving Frostbite to Physically Based Rendering, §4.9",
                     "Ratković 2017, Physically Based Rendering (the simple alternatives)"};
-  figure.functions = {"ibl::cube_mips", "ibl::Prefilter", "shade::surface_shares", "shade::image_light_dominant",
+  figure.functions = {"ibl::cube_mips", "ibl::Prefilter", "shade::surface_shares", "shade::image_light_lookup",
                       "path::render"};
   const std::array<float, 6> roughness{0.0f, 0.2f, 0.4f, 0.6f, 0.8f, 1.0f};
   std::vector<Material> materials;
@@ -146,10 +146,11 @@ Figure environment_mips(FigureContext& context) {
   std::vector<ibl::Kernel> kernels;
   for (std::size_t i = 1; i < roughness.size(); ++i) kernels.emplace_back(ibl::Lobe::ggx, roughness[i]);
   const ibl::Prefilter prefilter(source, kernels, {});
-  std::vector<CubeFaces> filtered{mips.levels[0]};
+  Cubemap filtered;  // a level for each roughness
+  filtered.levels.push_back(mips.levels[0]);
   for (const ibl::Kernel& kernel : kernels) {
     context.check_stop();
-    filtered.push_back(prefilter.faces(kernel, 64));
+    filtered.levels.push_back(prefilter.faces(kernel, 64));
   }
   const vec3 mean(ibl::total_flux(source) / (4.0 * 3.14159265358979));
 
@@ -164,15 +165,22 @@ Figure environment_mips(FigureContext& context) {
   figure.panels.push_back({"environment-mips-truth.png", develop(truth, shown),
                            fmt::format("path traced, {} samples per pixel", settings.samples),
                            "the measure of the others", scale});
-  add("environment-mips-dominant.png", "split sum, read where the lobe has its middle",
+  add("environment-mips-dominant.png",
+      "split sum, read where the lobe has its middle and as wide as it is there; what facets reflect more than once, "
+      "by the irradiance",
       shaded_balls(materials, side, [&](const BallPoint& p) {
-        const dvec3 dominant(shade::image_light_dominant(p.normal, p.mirrored, p.surface.alpha));
-        return ibl::cube_lookup(filtered[p.ball], dominant) * shade::surface_shares(p.surface, p.wo).specular;
+        const shade::SurfaceShares shares = shade::surface_shares(p.surface, p.wo);
+        const shade::ImageLightLookup at =
+            shade::image_light_lookup(p.normal, p.mirrored, p.surface.alpha, shares.rise);
+        const float level = std::sqrt(at.alpha) * static_cast<float>(filtered.levels.size() - 1);
+        return lookup_level(filtered, dvec3(at.direction), level) * shares.specular +
+               ibl::cube_lookup(filtered.levels.back(), dvec3(p.normal)) * shares.spread;
       }));
   add("environment-mips-split-sum.png",
       "split sum: prefiltered by the lobe, read in the mirror direction, times the table",
       shaded_balls(materials, side, [&](const BallPoint& p) {
-        return ibl::cube_lookup(filtered[p.ball], dvec3(p.mirrored)) * shade::surface_shares(p.surface, p.wo).specular;
+        const shade::SurfaceShares shares = shade::surface_shares(p.surface, p.wo);
+        return ibl::cube_lookup(filtered.levels[p.ball], dvec3(p.mirrored)) * (shares.specular + shares.spread);
       }));
   add("environment-mips.png", "environment mips by roughness, times Schlick’s curve",
       shaded_balls(materials, side, [&](const BallPoint& p) {

@@ -59,6 +59,14 @@ bool has_extension(const char* name) {
   return false;
 }
 
+bool is_software() {
+  const std::string renderer(reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
+  for (const char* name : {"llvmpipe", "softpipe", "SwiftShader"}) {
+    if (renderer.find(name) != std::string::npos) return true;
+  }
+  return false;
+}
+
 Program::Program(const std::string& vertex, const std::string& fragment, const std::vector<std::string>& captured)
     : program_(glCreateProgram()) {
   try {

@@ -38,6 +38,9 @@ class Context {
 /// Whether the driver names an extension, e.g. "GL_EXT_color_buffer_float".
 bool has_extension(const char* name);
 
+/// Whether the driver is one of those that draw on the processor: Mesa's or SwiftShader.
+bool is_software();
+
 /// A name that the driver gave out, given back with Release(1, &name).
 template <void (*Make)(GLsizei, GLuint*), void (*Release)(GLsizei, const GLuint*)>
 class Name {

@@ -18,6 +18,10 @@ namespace candela::raster {
 
 namespace {
 
+// GL_EXT_texture_filter_anisotropic, which OpenGL ES 3.0 has no names for.
+constexpr GLenum kTextureAnisotropy = 0x84FE;
+constexpr GLenum kMostAnisotropy = 0x84FF;
+
 /// How the floats of a vertex lie in a buffer; attributes that a primitive has not take no room.
 struct VertexLayout {
   static constexpr std::size_t kNormal = 3, kUv = 6;
@@ -432,8 +436,24 @@ GLuint GpuScene::sampler_for(const Texture& texture) {
     glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, is_nearest ? GL_NEAREST : GL_LINEAR);
     glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER,
                         is_nearest ? GL_NEAREST_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
+    // Nearest texels are wanted as they are.
+    if (!is_nearest && texture_anisotropy_ > 1) {
+      glSamplerParameterf(sampler, kTextureAnisotropy, static_cast<GLfloat>(texture_anisotropy_));
+    }
   }
   return entry->second;
+}
+
+void GpuScene::set_texture_anisotropy(int most) {
+  GLfloat limit = 1.0f;
+  if (gl::has_extension("GL_EXT_texture_filter_anisotropic")) glGetFloatv(kMostAnisotropy, &limit);
+  const int allowed = std::clamp(most, 1, static_cast<int>(limit));
+  if (allowed == texture_anisotropy_) return;
+  texture_anisotropy_ = allowed;
+  for (const auto& [parameters, sampler] : samplers_) {
+    const bool is_nearest = parameters[2] == 1;
+    if (!is_nearest) glSamplerParameterf(sampler, kTextureAnisotropy, static_cast<GLfloat>(allowed));
+  }
 }
 
 void GpuScene::add_draws(const Scene& scene) {

@@ -93,6 +93,8 @@ class GpuScene {
         .primitives[d.part]
         .triangles;
   }
+  /// How often textures are read along the longer side of a pixel's footprint, at most, where the driver can.
+  void set_texture_anisotropy(int most);
   bool has_lobe(int lobe) const;
   bool has_scattering() const;
   std::uint64_t triangle_count() const { return triangle_count_; }
@@ -140,6 +142,7 @@ class GpuScene {
   gl::Buffer transforms_;  ///< world_from_object of each draw, three rows, and its node's colour
   std::map<TextureSource, gl::Texture> textures_;
   std::map<std::array<int, 3>, gl::Sampler> samplers_;
+  int texture_anisotropy_ = 1;
   std::vector<Draw> draws_;
   Box3 bounds_;
   vec3 origin_{0.0f};

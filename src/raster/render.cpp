@@ -157,6 +157,7 @@ void check(const Settings& s) {
   }
   if (s.frames < 1) throw Error("at least one frame is needed");
   if (s.msaa < 1) throw Error("at least one sample per pixel is needed");
+  if (s.texture_anisotropy < 0) throw Error("the anisotropy of textures is negative");
   if (!(s.occlusion_radius >= 0.0f) || !std::isfinite(s.occlusion_radius)) {
     throw Error("the radius of occlusion is negative or not finite");
   }
@@ -227,6 +228,11 @@ Device::~Device() = default;
 
 void Device::use() const {
   if (!parts_->make_current()) throw Error("a device of another thread cannot draw here");
+}
+
+bool Device::is_software() const {
+  use();
+  return gl::is_software();
 }
 
 std::shared_ptr<Device> Device::of_current_context() {

@@ -29,6 +29,9 @@ void upload_triangles(const std::vector<uvec3>& triangles, GpuTriangles& gpu) {
                GL_STATIC_DRAW);
 }
 
+/// Where Settings say nothing.
+constexpr int kUsualTextureAnisotropy = 8;
+
 /// Mean luminance of what arrives from far away, suns aside.
 float mean_luminance(const Environment& environment) {
   float mean = luminance(environment.constant);
@@ -249,6 +252,8 @@ bool Renderer::has_extended_lights() const {
 }
 
 void Renderer::begin(const View& view, LightPoint point) {
+  gpu_.set_texture_anisotropy(settings_.texture_anisotropy > 0 ? settings_.texture_anisotropy
+                                                               : kUsualTextureAnisotropy);
   gpu_.set_origin(*scene_, vec3(view.world_from_camera[3]));
   const View placed = relative(view);
   range_ =

@@ -212,10 +212,13 @@ SHADE_FN void glass_shares(SHADE_IN(Surface) s, vec3 wo, vec2 ab, float over, SH
   vec3 reflected = s.glass_f0_tinted * ab_glass.x + vec3(s.f90_dielectric * ab_glass.y);
   if (s.is_glass_delta) reflected = glass_fresnel(s, wo.z);
   if (s.iridescence > 0.0f) reflected = glass_fresnel(s, wo.z) * (ab.x + ab.y);
-  vec3 lost = vec3(s.glass_escape_o * s.glass_reflected);
-  reflected = min(reflected + lost, vec3(1.0f));
+  float rise = base_share_of_rise(shade_max3(s.glass_f0_tinted) * (ab_glass.x + ab_glass.y), shade_max3(reflected));
+  r.rise = mix(r.rise, rise, s.weight_glass);
+  reflected = min(reflected, vec3(1.0f));
+  vec3 lost = min(vec3(s.glass_escape_o * s.glass_reflected), vec3(1.0f) - reflected);
   r.glass = reflected * s.glass_shine * (s.weight_glass * over);
-  r.through = s.glass_tint * (vec3(1.0f) - reflected) * (s.weight_glass * over);
+  r.spread += lost * s.glass_shine * (s.weight_glass * over);
+  r.through = s.glass_tint * (vec3(1.0f) - reflected - lost) * (s.weight_glass * over);
 }
 
 SHADE_END

@@ -15,7 +15,7 @@ SHADE_FN vec2 model_point(int i) {
   return fract(vec2(0.5f + 0.7548776662f * float(i), 0.5f + 0.5698402910f * float(i)));
 }
 
-/// The tables know the default terms of facets; of others what they reflect is the sum of their values.
+/// The tables know the default terms of facets; of others what they reflect at once is the sum of their values.
 SHADE_FN vec3 model_specular(SHADE_IN(Surface) s, vec3 wo) {
   vec3 mirrored = vec3(-wo.x, -wo.y, wo.z);
   if (s.is_mirror) return terms_fresnel_opaque(s, wo.z) * layers_over(s, layers_at(s, mirrored));
@@ -32,8 +32,7 @@ SHADE_FN vec3 model_specular(SHADE_IN(Surface) s, vec3 wo) {
     float value = terms_dv(s, wo, wi, wm) * layers_over(s, layers_at(s, wi)) * wi.z;
     sum += terms_fresnel_opaque(s, cos_m) * (value / density);
   }
-  vec3 lost = s.multiscatter * (kShadePi * s.escape_mean * s.escape_o);
-  return sum * (1.0f / float(kModelPoints)) + lost * layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
+  return sum * (1.0f / float(kModelPoints));
 }
 
 SHADE_FN vec3 model_diffuse(SHADE_IN(Surface) s, vec3 wo) {

@@ -46,6 +46,11 @@ SHADE_FN float base_rise(SHADE_IN(Surface) s, float cos_theta) {
   return s.index > 0.0f ? fresnel_rise(cos_theta, s.index, s.rise_scale) : schlick_weight(cos_theta);
 }
 
+/// Of an albedo, the share by which Fresnel's terms have risen from F0, where they would leave `at_f0` without that.
+SHADE_FN float base_share_of_rise(float at_f0, float albedo) {
+  return albedo > 0.0f ? shade_saturate(1.0f - at_f0 / albedo) : 0.0f;
+}
+
 /// Fresnel of both opaque materials, weighted.
 SHADE_FN vec3 base_fresnel(SHADE_IN(Surface) s, float cos_theta) {
   vec3 f = vec3(0.0f);

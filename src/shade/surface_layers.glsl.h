@@ -294,15 +294,17 @@ SHADE_CONST float kMeanCosine = 2.0f / 3.0f;
 SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOUT(SurfaceShares) r) {
   float over = layers_through(s, s.coat_albedo_o, s.sheen_albedo_o);
   vec2 ab = anisotropy_ggx(s, wo, s.curve);
-  vec3 specular = s.specular_albedo_o;
+  vec3 specular = s.single_albedo_o;
   // The tables know a film at normal incidence; here it has the colour of this angle.
-  if (s.iridescence > 0.0f) specular += terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y) - s.single_albedo_o;
+  if (s.iridescence > 0.0f) specular = terms_fresnel_opaque(s, wo.z) * (ab.x + ab.y);
   r.specular = specular * over;
+  r.spread = r.spread * over;
   r.diffuse = s.diffuse * s.film_below_o * s.transmission_o * rough_diffuse_albedo(s, s.diffuse_color, wo.z);
   r.below = below_share(s) * rough_diffuse_albedo(s, s.diffuse_below_color, wo.z);
   r.sheen = sheen_share(s);
   if (!s.is_sheen_on_top) r.sheen = r.sheen * (1.0f - s.coat * s.coat_albedo_o);
   r.coat = coat_share(s) * sheen_over_coat_share(s);
+  if (s.coat > 0.0f) r.coat_rise = base_share_of_rise(s.coat_f0 * (1.0f - s.coat_escape_o), s.coat_albedo_o);
 #ifndef SHADE_DEFAULT_MODEL
   if ((s.lobes & kLobeModel) != 0) {
     r.specular = model_specular(s, wo);
@@ -317,6 +319,7 @@ SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOU
   r.specular = r.specular * mirrored;
   r.glass = r.glass * mirrored;
   r.through = r.through * mirrored;
+  r.spread = r.spread * spread;
   r.diffuse = r.diffuse * spread;
   r.below = r.below * spread;
   if (!s.is_sheen_on_top) r.sheen = r.sheen * spread;

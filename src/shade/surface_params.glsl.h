@@ -217,13 +217,16 @@ struct SurfaceSample {
 
 /// Directional albedos at wo, each as it is left by what lies above it.
 struct SurfaceShares {
-  vec3 specular;  ///< opaque facets
+  vec3 specular;  ///< opaque facets, of one reflection
+  vec3 spread;    ///< of several among them, which leaves as widely as diffuse light
   vec3 diffuse;
   vec3 below;    ///< diffuse light from the other side
   vec3 glass;    ///< facets of the transparent part, reflected
   vec3 through;  ///< and let through, tint included: of one sheet, or of one boundary of a body
   vec3 sheen;
   vec3 coat;
+  float rise;       ///< of what the facets reflect, the share by which Fresnel's terms have risen from F0
+  float coat_rise;  ///< the same of the coat
 };
 
 SHADE_FN LayerAt layer_absent() {

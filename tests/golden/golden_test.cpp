@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <ostream>
 #include <string_view>
 
 #include "candela/candela.h"
@@ -47,6 +48,9 @@ struct Case {
   bool has_masks() const { return std::string_view(scene) == "demo:materials"; }
   double bound() const { return has_masks() ? kSameMask : kSame; }
 };
+
+// NOLINTNEXTLINE(readability-identifier-naming): as GoogleTest calls it
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 raster::Settings with(const std::function<void(raster::Settings&)>& change) {
   raster::Settings settings;

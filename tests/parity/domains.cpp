@@ -206,7 +206,7 @@ const std::vector<Row>& rows() {
       {"shade_tangent:n", direction(-1.0f, 1.0f)},
       {"image_light_horizon:mirrored", direction(-1.0f, 1.0f)},
       {"image_light_level:levels", whole(2, 8)},
-      {"image_light_dominant:mirrored", direction(-1.0f, 1.0f)},
+      {"image_light_lookup:mirrored", direction(-1.0f, 1.0f)},
       {"film_*:c", whole(0, 2)},
       {"film_*:opd", uniform(0.0f, 4.0f)},  // µm
       {"film_*:nu", uniform(1.5f, 2.5f)},   // 1/µm

@@ -32,7 +32,7 @@ vec3 area_light(Point p, Surface s, SurfaceShares shares, vec3 wo, mat3 frame) {
     vec3 c[4];
     if (!area_corners(areas[i], (own_areas >> i & 1) == 1, v_position, c)) continue;
     float seen = area_seen(local, c);
-    vec3 value = shares.diffuse * seen + (shares.specular + shares.glass) * area_seen(lobe, c);
+    vec3 value = (shares.diffuse + shares.spread) * seen + (shares.specular + shares.glass) * area_seen(lobe, c);
 #ifdef HAS_LAYERS
     value += shares.sheen * seen;
 #ifdef LOBE_retroreflection

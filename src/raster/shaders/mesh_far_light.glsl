@@ -67,10 +67,28 @@ vec3 irradiance(vec3 n) {
 #endif
 }
 
-vec3 mirrored_light(Point p, vec3 n, float alpha) {
+vec3 mirrored_light(Point p, vec3 n, float alpha, float rise) {
   vec3 r = 2.0 * dot(n, p.wo) * n - p.wo;
-  return prefiltered(image_light_dominant(n, r, alpha), alpha) * image_light_horizon(r, p.geometric);
+  ImageLightLookup lookup = image_light_lookup(n, r, alpha, rise);
+  return prefiltered(lookup.direction, lookup.alpha) * image_light_horizon(r, p.geometric);
 }
+
+#if defined(LOBE_anisotropy) || defined(LOBE_clearcoat_anisotropy)
+/// The same of facets that lean along x of a frame by more than along its y.
+vec3 streaked_light(Point p, mat3 frame, vec2 widths, float rise) {
+  vec3 wo = p.wo * frame;
+  vec3 sum = vec3(0.0);
+  float weight = 0.0;
+  for (int i = 0; i < kStreakLookups; ++i) {
+    ImageLightLookup lookup = image_light_streak(wo, widths, rise, i);
+    if (lookup.weight <= 0.0) continue;
+    vec3 direction = frame * lookup.direction;
+    sum += prefiltered(direction, lookup.alpha) * (lookup.weight * image_light_horizon(direction, p.geometric));
+    weight += lookup.weight;
+  }
+  return weight > 0.0 ? sum / weight : mirrored_light(p, frame[2], widths.y, rise);
+}
+#endif
 
 float occlusion() {
   float visible = 1.0;
@@ -110,18 +128,21 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
   float visible = occlusion();
   vec3 color = vec3(0.0);
 #ifdef HAS_FAR_LIGHT
-  color = shares.diffuse * irradiance(n) * (part(kDiffusePart) / kShadePi) *
+  vec3 arriving = irradiance(n) / kShadePi;
+  color = shares.diffuse * arriving * part(kDiffusePart) *
           image_light_multibounce(visible, min(shares.diffuse, vec3(1.0)));
-  vec3 bent = n;
+  color += shares.spread * arriving * (part(kSpecularPart) * visible);
 #if defined(LOBE_anisotropy) && defined(HAS_TANGENT)
-  bent = image_light_leaning(n, p.wo, frame[1], params.anisotropy);
+  vec3 mirrored = streaked_light(p, frame, vec2(s.alpha_x, s.alpha_y), shares.rise);
+#else
+  vec3 mirrored = mirrored_light(p, n, s.alpha, shares.rise);
 #endif
-  float specular_visible = image_light_specular_occlusion(wo.z, visible, s.alpha);
-  color +=
-      (shares.specular + shares.glass) * mirrored_light(p, bent, s.alpha) * (part(kSpecularPart) * specular_visible);
+  float specular_visible = part(kSpecularPart) * image_light_specular_occlusion(wo.z, visible, s.alpha);
+  color += (shares.specular + shares.glass) * mirrored * specular_visible;
 #ifdef LOBE_retroreflection
-  vec3 turned = prefiltered(image_light_dominant(n, p.wo, s.alpha), s.alpha) - mirrored_light(p, bent, s.alpha);
-  color += shares.specular * turned * (s.retroreflection * part(kSpecularPart) * specular_visible);
+  ImageLightLookup back = image_light_lookup(n, p.wo, s.alpha, shares.rise);
+  vec3 turned = prefiltered(back.direction, back.alpha) - mirrored;
+  color += shares.specular * turned * (s.retroreflection * specular_visible);
 #endif
 #ifdef HAS_LAYERS
 #if defined(LOBE_diffuse_transmission) && !defined(IS_SCATTERING)
@@ -129,22 +150,24 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #endif
 #ifdef HAS_FIBRES
 #ifdef HAS_SHEEN_LIGHT
-  color += shares.sheen *
-           textureLod(sheen_light, far_light_direction(2.0 * wo.z * n - p.wo),
-                      far_light_level(roughness_to_alpha(s.sheen_roughness)))
-               .rgb *
+  // Fibres that stand up send light to all sides: from whatever side they are seen, their lobe is nearest to what it is
+  // along the normal.
+  float sheen_level = far_light_level(roughness_to_alpha(s.sheen_roughness));
+  color += shares.sheen * textureLod(sheen_light, far_light_direction(n), sheen_level).rgb *
            (part(kSheenPart) * visible * far_light_factor());
 #else
-  color += shares.sheen * irradiance(n) * (part(kSheenPart) * visible / kShadePi);
+  color += shares.sheen * arriving * (part(kSheenPart) * visible);
 #endif
 #endif
 #ifdef LOBE_clearcoat
   vec3 nc = normalize(frame * s.coat_normal);
-  vec3 bent_coat = nc;
 #ifdef LOBE_clearcoat_anisotropy
-  bent_coat = image_light_leaning(nc, p.wo, cross(nc, frame * s.coat_tangent), params.clearcoat_anisotropy);
+  vec3 tc = frame * s.coat_tangent;
+  vec3 coated = streaked_light(p, mat3(tc, cross(nc, tc), nc), s.coat_widths, shares.coat_rise);
+#else
+  vec3 coated = mirrored_light(p, nc, s.coat_alpha, shares.coat_rise);
 #endif
-  color += shares.coat * mirrored_light(p, bent_coat, s.coat_alpha) *
+  color += shares.coat * coated *
            (part(kCoatPart) * image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha));
 #endif
 #endif
