@@ -40,7 +40,8 @@ struct ImageLightLookup {
 /// Where a lobe of round facets is best read, single scattering alone. Prefiltered light is that of a lobe seen along
 /// its normal; seen from the side its middle lies between the normal and the mirror direction, and it is narrower.
 /// From the first is Lagarde & de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", §4.9.3; the rest is
-/// fitted to lobes summed up over four photographed environments, for F0 of 0.04, 0.3 and 1.
+/// fitted to lobes summed up over four photographed environments, for F0 of 0.04, 0.3 and 1, but that no lobe is more
+/// than three tenths narrower: few bright panels are missed then.
 SHADE_FN ImageLightLookup image_light_lookup(vec3 n, vec3 mirrored, float alpha, float rise) {
   ImageLightLookup r;
   float mu = clamp(dot(n, mirrored), 0.0f, 1.0f);
@@ -50,7 +51,7 @@ SHADE_FN ImageLightLookup image_light_lookup(vec3 n, vec3 mirrored, float alpha,
   bend *= 1.0f - (0.31f + 0.53f * alpha) * aside * alpha / max(alpha + 1.16f * mu, 1e-6f);
   bend += 0.89f * rise * alpha;
   r.direction = normalize(mix(n, mirrored, bend));
-  r.alpha = alpha * (1.0f - aside * clamp(0.82f - 1.69f * alpha + 1.46f * rise, 0.0f, 0.65f));
+  r.alpha = alpha * (1.0f - aside * clamp(0.82f - 1.69f * alpha + 1.46f * rise, 0.0f, 0.3f));
   r.weight = 1.0f;
   return r;
 }

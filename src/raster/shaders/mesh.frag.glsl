@@ -86,7 +86,9 @@ struct Shading {
 Shading prepare(bool is_back) {
   Point p = make_point(is_back);
   SurfaceParams params = fetch_params();
+  float own_alpha = roughness_to_alpha(params.roughness);
   params.roughness = max(antialiased_roughness(params.roughness, p.normal), least_roughness);
+  p.widened = max(shade_sqr(roughness_to_alpha(params.roughness)) - own_alpha * own_alpha, 0.0);
 #if defined(IN_BODY) && defined(HAS_BODY)
   if (is_back) params.eta = 1.0 / max(params.ior, 1.0);
 #endif

@@ -67,10 +67,13 @@ vec3 irradiance(vec3 n) {
 #endif
 }
 
-vec3 mirrored_light(Point p, vec3 n, float alpha, float rise) {
+/// `widened` is the part of α² that stands for normals which turn within the pixel. They mirror light to all sides of
+/// where the lobe of the facets has its middle.
+vec3 mirrored_light(Point p, vec3 n, float alpha, float widened, float rise) {
   vec3 r = 2.0 * dot(n, p.wo) * n - p.wo;
-  ImageLightLookup lookup = image_light_lookup(n, r, alpha, rise);
-  return prefiltered(lookup.direction, lookup.alpha) * image_light_horizon(r, p.geometric);
+  ImageLightLookup lookup = image_light_lookup(n, r, sqrt(max(alpha * alpha - widened, 0.0)), rise);
+  return prefiltered(lookup.direction, sqrt(lookup.alpha * lookup.alpha + widened)) *
+         image_light_horizon(r, p.geometric);
 }
 
 #if defined(LOBE_anisotropy) || defined(LOBE_clearcoat_anisotropy)
@@ -86,7 +89,7 @@ vec3 streaked_light(Point p, mat3 frame, vec2 widths, float rise) {
     sum += prefiltered(direction, lookup.alpha) * (lookup.weight * image_light_horizon(direction, p.geometric));
     weight += lookup.weight;
   }
-  return weight > 0.0 ? sum / weight : mirrored_light(p, frame[2], widths.y, rise);
+  return weight > 0.0 ? sum / weight : mirrored_light(p, frame[2], widths.y, 0.0, rise);
 }
 #endif
 
@@ -135,7 +138,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
 #if defined(LOBE_anisotropy) && defined(HAS_TANGENT)
   vec3 mirrored = streaked_light(p, frame, vec2(s.alpha_x, s.alpha_y), shares.rise);
 #else
-  vec3 mirrored = mirrored_light(p, n, s.alpha, shares.rise);
+  vec3 mirrored = mirrored_light(p, n, s.alpha, p.widened, shares.rise);
 #endif
   float specular_visible = part(kSpecularPart) * image_light_specular_occlusion(wo.z, visible, s.alpha);
   color += (shares.specular + shares.glass) * mirrored * specular_visible;
@@ -165,7 +168,7 @@ vec3 far_light(Point p, SurfaceParams params, Surface s, SurfaceShares shares, v
   vec3 tc = frame * s.coat_tangent;
   vec3 coated = streaked_light(p, mat3(tc, cross(nc, tc), nc), s.coat_widths, shares.coat_rise);
 #else
-  vec3 coated = mirrored_light(p, nc, s.coat_alpha, shares.coat_rise);
+  vec3 coated = mirrored_light(p, nc, s.coat_alpha, 0.0, shares.coat_rise);
 #endif
   color += shares.coat * coated *
            (part(kCoatPart) * image_light_specular_occlusion(dot(nc, p.wo), visible, s.coat_alpha));

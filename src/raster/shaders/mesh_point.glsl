@@ -8,6 +8,7 @@ struct Point {
   vec3 coat_normal;
   vec3 front_tangent;  // of the front; 0: there is none
   vec3 front_bitangent;
+  float widened;  // what of the squared alpha stands for normals that turn within the pixel
 };
 
 // Of squared lengths: what is shorter has no direction that floats could tell.
@@ -34,6 +35,7 @@ Point make_point(bool is_back) {
   ns = relief_normal(ns);
 #endif
   p.coat_normal = ns;
+  p.widened = 0.0;
   p.front_tangent = vec3(0.0);
   p.front_bitangent = vec3(0.0);
 #ifdef HAS_TANGENT
