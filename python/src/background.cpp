@@ -34,6 +34,7 @@ struct Work {
 struct Running {
   std::vector<Work*> all;  ///< guarded by Python's lock
   bool is_ending = false;
+  std::thread::id ends;  ///< the thread that ends Python
   pid_t process = 0;
 };
 Running& running() {
@@ -41,11 +42,20 @@ Running& running() {
   return *the_only_one;
 }
 
+/// Whether Python is ending and this thread, a daemon, is to be left where it is: the interpreter may go away under whatever
+/// it would do next, and an error that it printed would be of work that nobody waits for.
+bool is_left_behind() { return running().is_ending && std::this_thread::get_id() != running().ends; }
+
+void stay() {
+  const nb::gil_scoped_release released;
+  while (true) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
 class Registered {
  public:
   explicit Registered(Work& work) : work_(&work) {
+    refuse_after_the_end();
     Running& all = running();
-    if (all.is_ending) throw Error("Python is ending");
     if (all.process == 0) all.process = ::getpid();
     if (all.process != ::getpid()) {
       throw Error(
@@ -54,7 +64,10 @@ class Registered {
     }
     all.all.push_back(work_);
   }
-  ~Registered() { std::erase(running().all, work_); }
+  ~Registered() {
+    std::erase(running().all, work_);
+    if (is_left_behind()) stay();
+  }
   Registered(const Registered&) = delete;
   Registered& operator=(const Registered&) = delete;
 
@@ -128,9 +141,15 @@ void run_without_lock(const std::function<void()>& work) {
   work();
 }
 
+void refuse_after_the_end() {
+  if (is_left_behind()) stay();
+  if (running().is_ending) throw Error("Python is ending");
+}
+
 void stop_all_background() {
   Running& all = running();
   all.is_ending = true;
+  all.ends = std::this_thread::get_id();
   for (Work* work : all.all) work->stop = true;
   while (!all.all.empty()) {
     const nb::gil_scoped_release released;

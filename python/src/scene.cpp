@@ -108,7 +108,7 @@ SharedScene load_scene(nb::handle source, const LoadArguments& arguments, const 
 }  // namespace
 
 std::shared_ptr<LiveStage> the_stage() {
-  if (stage_slot() == nullptr) throw Error("Python is ending");
+  refuse_after_the_end();
   return stage_slot();
 }
 void forget_stage() { stage_slot().reset(); }
