@@ -550,7 +550,7 @@ void add_drawing_options(Command& command, Shot& shot, bool& keeps_cache, const 
   add_value(
       command, "--texture-anisotropy", "N", shot.drawn.texture_anisotropy, count_within(1, 64),
       "How often a texture is read along the longer side of a pixel's footprint, at most; 1 is blurred at grazing "
-      "angles, and faster without a GPU [8; 1 in a window without a GPU]")
+      "angles, and faster without a GPU [8; 1 without a GPU]")
       .group(group);
   add_value(
       command, "--ao", "X", shot.drawn.occlusion_radius, number_within(0.0f, 1.0f),

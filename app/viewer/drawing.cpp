@@ -143,7 +143,6 @@ int Drawing::bands_of(ivec2 size) const {
 void Drawing::draw_at(const Look& look, ivec2 size, const Job& job, bool is_whole) {
   const Scene& scene = prepare(look, job);
   raster::Settings settings = settings_of(look);
-  if (settings.texture_anisotropy == 0 && device_->is_software()) settings.texture_anisotropy = 1;
   settings.width = size.x, settings.height = size.y;
   auto shown = std::make_shared<Shown>();
   shown->model = look.model;

@@ -16,7 +16,6 @@ std::uint64_t picture_bytes(const Settings&) { refuse(); }
 struct Device::Parts {};
 Device::Device() { refuse(); }
 Device::~Device() = default;
-bool Device::is_software() const { refuse(); }
 std::shared_ptr<Device> Device::of_current_context() { refuse(); }
 
 class Drawer::Impl {};

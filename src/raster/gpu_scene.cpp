@@ -119,6 +119,12 @@ bool is_plain(const TextureSlot& slot) {
   return !slot || (slot.uv_set == 0 && slot.transform == TextureSlot{}.transform);
 }
 
+/// Heights are read many times, and the search wants them where they are asked for.
+Reading reading_of(const Texture& texture, std::size_t slot) {
+  if (texture.filter == Filter::nearest) return Reading::nearest;
+  return slot == height_slot ? Reading::isotropic : Reading::anisotropic;
+}
+
 GLint wrap_of(Wrap wrap) {
   switch (wrap) {
     case Wrap::repeat:
@@ -394,7 +400,8 @@ void GpuScene::set_materials(const Scene& scene, Diagnostics& diagnostics) {
       if (source.image < 0 || (set > 1 && !std::ranges::binary_search(gpu.more_sets, set))) continue;
       gpu.key.slots |= 1u << i;
       gpu.textures[i] = texture_for(scene, source, diagnostics);
-      gpu.samplers[i] = sampler_for(scene.textures[static_cast<std::size_t>(texture_slots(m)[i]->texture)]);
+      const Texture& texture = scene.textures[static_cast<std::size_t>(texture_slots(m)[i]->texture)];
+      gpu.samplers[i] = sampler_for(texture, reading_of(texture, i));
     }
   }
   glBindBuffer(GL_UNIFORM_BUFFER, material_blocks_);
@@ -425,19 +432,18 @@ GLuint GpuScene::texture_for(const Scene& scene, const TextureSource& source, Di
   return entry->second;
 }
 
-GLuint GpuScene::sampler_for(const Texture& texture) {
-  const bool is_nearest = texture.filter == Filter::nearest;
-  const auto [entry, is_new] =
-      samplers_.try_emplace({wrap_of(texture.wrap_u), wrap_of(texture.wrap_v), is_nearest ? 1 : 0});
+GLuint GpuScene::sampler_for(const Texture& texture, Reading reading) {
+  const GLint u = wrap_of(texture.wrap_u), v = wrap_of(texture.wrap_v);
+  const auto [entry, is_new] = samplers_.try_emplace({u, v, reading});
   if (is_new) {
     const GLuint sampler = entry->second;
-    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, wrap_of(texture.wrap_u));
-    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, wrap_of(texture.wrap_v));
+    const bool is_nearest = reading == Reading::nearest;
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, u);
+    glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, v);
     glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, is_nearest ? GL_NEAREST : GL_LINEAR);
     glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER,
                         is_nearest ? GL_NEAREST_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_LINEAR);
-    // Nearest texels are wanted as they are.
-    if (!is_nearest && texture_anisotropy_ > 1) {
+    if (reading == Reading::anisotropic && texture_anisotropy_ > 1) {
       glSamplerParameterf(sampler, kTextureAnisotropy, static_cast<GLfloat>(texture_anisotropy_));
     }
   }
@@ -451,8 +457,8 @@ void GpuScene::set_texture_anisotropy(int most) {
   if (allowed == texture_anisotropy_) return;
   texture_anisotropy_ = allowed;
   for (const auto& [parameters, sampler] : samplers_) {
-    const bool is_nearest = parameters[2] == 1;
-    if (!is_nearest) glSamplerParameterf(sampler, kTextureAnisotropy, static_cast<GLfloat>(allowed));
+    if (std::get<Reading>(parameters) != Reading::anisotropic) continue;
+    glSamplerParameterf(sampler, kTextureAnisotropy, static_cast<GLfloat>(allowed));
   }
 }
 

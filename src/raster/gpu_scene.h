@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/diagnostics.h"
@@ -43,6 +44,9 @@ struct GpuMaterial {
   /// Whether something may show through: what is left of BLEND where it is not opaque.
   bool is_blended() const { return key.alpha_mode == AlphaMode::blend; }
 };
+
+/// How a sampler reads: texels as they are, between them, or between them and along a pixel's footprint.
+enum class Reading { nearest, isotropic, anisotropic };
 
 /// A primitive of a node.
 struct Draw {
@@ -125,7 +129,7 @@ class GpuScene {
   void place_draws(const Scene& scene);
   void bind_draw(const GpuPrimitive& primitive, std::size_t first) const;
   GLuint texture_for(const Scene& scene, const TextureSource& source, Diagnostics& diagnostics);
-  GLuint sampler_for(const Texture& texture);
+  GLuint sampler_for(const Texture& texture, Reading reading);
 
   shade::ShadingModel model_;
   std::vector<GpuPrimitive> primitives_;
@@ -141,7 +145,7 @@ class GpuScene {
   gl::Buffer material_blocks_;
   gl::Buffer transforms_;  ///< world_from_object of each draw, three rows, and its node's colour
   std::map<TextureSource, gl::Texture> textures_;
-  std::map<std::array<int, 3>, gl::Sampler> samplers_;
+  std::map<std::tuple<GLint, GLint, Reading>, gl::Sampler> samplers_;  ///< by both wraps
   int texture_anisotropy_ = 1;
   std::vector<Draw> draws_;
   Box3 bounds_;

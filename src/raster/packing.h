@@ -12,13 +12,14 @@
 /// reads. The numbers stay the same; a shader looks up less, and memory shrinks.
 namespace candela::raster {
 
-/// Slots that may give or take channels, by their rows in kTextureRows.
+/// Rows of slots in kTextureRows: those that may give or take channels, and the one that is searched in.
 enum Slot : int {
   base_color_slot = texture_slot_index(&Material::base_color_texture),
   metallic_roughness_slot = texture_slot_index(&Material::metallic_roughness_texture),
   normal_slot = texture_slot_index(&Material::normal_texture),
   occlusion_slot = texture_slot_index(&Material::occlusion_texture),
   emissive_slot = texture_slot_index(&Material::emissive_texture),
+  height_slot = texture_slot_index(&Material::height_texture),
 };
 
 /// A channel of the texture of a slot.

@@ -17,7 +17,6 @@ namespace candela::raster {
 
 namespace {
 
-constexpr std::size_t kHeightSlot = texture_slot_index(&Material::height_texture);
 constexpr std::size_t kMostLightSamplers = 12;  // of a shader for surfaces, besides its material's
 const std::string kMeshFragment = "mesh.frag.glsl";
 std::string read_embedded(const std::string& name) {
@@ -106,7 +105,7 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
   add(key.has_tangents, "HAS_TANGENT");
   add(key.has_colors, "HAS_COLOR");
   add(key.has_body, "HAS_BODY");
-  add(key.has_body || key.is_scattering || (key.slots >> kHeightSlot & 1u) != 0, "HAS_SCALE");
+  add(key.has_body || key.is_scattering || (key.slots >> height_slot & 1u) != 0, "HAS_SCALE");
   add(key.is_scattering, "IS_SCATTERING");
   add(key.is_unlit, "IS_UNLIT");
   add(key.is_specular_glossiness, "IS_SPECULAR_GLOSSINESS");

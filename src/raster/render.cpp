@@ -230,11 +230,6 @@ void Device::use() const {
   if (!parts_->make_current()) throw Error("a device of another thread cannot draw here");
 }
 
-bool Device::is_software() const {
-  use();
-  return gl::is_software();
-}
-
 std::shared_ptr<Device> Device::of_current_context() {
   return std::shared_ptr<Device>(new Device(std::make_unique<Parts>()));
 }

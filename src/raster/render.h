@@ -24,8 +24,8 @@ struct Settings {
   int height = 720;
   int frames = 1;  ///< per picture, each jittered within the pixel and over the lens; the picture is their mean
   int msaa = 4;    ///< samples per pixel of each frame: 1, 2, 4 or what the driver has
-  /// How often a texture is read along the longer side of a pixel's footprint, at most; 0: 8 times. Processors that
-  /// draw in place of a GPU take 1, none, or any number as 16.
+  /// How often a texture is read along the longer side of a pixel's footprint, at most; 0: 8 times on a GPU, once by a
+  /// driver in software. Mesa's takes any number above 1 as 16, draws half as fast then and blurs what is magnified.
   int texture_anisotropy = 0;
   /// Widens highlights by the variation of the normal within a pixel. One sample per pixel needs this; it lessens with
   /// more frames.
@@ -98,8 +98,6 @@ class Device {
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
-  /// Whether a processor draws, in place of a GPU.
-  bool is_software() const;
 
  private:
   friend class Drawer;

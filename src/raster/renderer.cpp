@@ -29,8 +29,11 @@ void upload_triangles(const std::vector<uvec3>& triangles, GpuTriangles& gpu) {
                GL_STATIC_DRAW);
 }
 
-/// Where Settings say nothing.
-constexpr int kUsualTextureAnisotropy = 8;
+int texture_anisotropy(const Settings& settings) {
+  constexpr int kUsual = 8;
+  if (settings.texture_anisotropy > 0) return settings.texture_anisotropy;
+  return gl::is_software() ? 1 : kUsual;
+}
 
 /// Mean luminance of what arrives from far away, suns aside.
 float mean_luminance(const Environment& environment) {
@@ -252,8 +255,7 @@ bool Renderer::has_extended_lights() const {
 }
 
 void Renderer::begin(const View& view, LightPoint point) {
-  gpu_.set_texture_anisotropy(settings_.texture_anisotropy > 0 ? settings_.texture_anisotropy
-                                                               : kUsualTextureAnisotropy);
+  gpu_.set_texture_anisotropy(texture_anisotropy(settings_));
   gpu_.set_origin(*scene_, vec3(view.world_from_camera[3]));
   const View placed = relative(view);
   range_ =

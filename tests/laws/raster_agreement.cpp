@@ -742,7 +742,7 @@ TEST_F(law_raster, relief_is_where_the_path_tracer_displaces_to) {
   raster::Settings settings = drawn(kSize);
   settings.frames = 8;
   const Image found = draw(scene, dark_environment(), view, settings).beauty;
-  EXPECT_LT(mean_difference(expected.beauty, found), 0.065);
+  EXPECT_LT(mean_difference(expected.beauty, found), 0.06);
   EXPECT_LT(mean_difference(found, draw(other.build(), dark_environment(), view, settings).beauty), 1e-4);
   EXPECT_LT(mean_difference(expected.beauty,
                             shoot(other.build(), dark_environment(), view, test::settings(kSize, 64, 1)).beauty),
@@ -949,8 +949,11 @@ TEST_F(law_raster, textures_are_not_blurred_along_a_flat_view) {
     settings.texture_anisotropy = anisotropy;
     return mean_difference(expected, draw(scene, white, view, settings));
   };
-  EXPECT_LT(difference(0), 0.5 * difference(1));
-  EXPECT_EQ(difference(0), difference(8));
+  EXPECT_LT(difference(8), 0.5 * difference(1));
+  context_ = gl::Context::open();
+  const bool is_software = gl::is_software();
+  context_.reset();
+  EXPECT_EQ(difference(0), difference(is_software ? 1 : 8));
 }
 
 TEST_F(law_raster, every_uv_set_has_its_own_coordinates) {
