@@ -17,6 +17,7 @@
 #include "cli/output.h"
 #include "cli/progress.h"
 #include "cli/render_outputs.h"
+#include "cli/threads.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "image/cube_file.h"
@@ -171,7 +172,6 @@ void add_rest(Command& command, BakeOptions& o) {
   constexpr int kMostDirections = 100000;
   constexpr float kMostIntensity = 1e30f;
   constexpr int kMostTable = 1024;
-  constexpr int kMostThreads = 1024;
   add_value(
       command, "--env-rotation", "DEG", o.order.light.rotation,
       [](const std::string& text) { return candela::radians(parse_number(text, -36000.0f, 36000.0f)); },

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
-#include <limits>
 #include <string_view>
 
 #include "base/error.h"
@@ -42,9 +41,7 @@ std::optional<CameraSphere> parse_camera_sphere(const std::string& text) {
     CameraSphere sphere;
     sphere.count = parse_count(numbers.substr(0, comma), 1, kMostCameras);
     sphere.is_upper_half = kind == "hemisphere:";
-    if (comma != std::string::npos) {
-      sphere.seed = static_cast<unsigned>(parse_count(numbers.substr(comma + 1), 0, std::numeric_limits<int>::max()));
-    }
+    if (comma != std::string::npos) sphere.seed = parse_seed(numbers.substr(comma + 1));
     return sphere;
   }
   return std::nullopt;

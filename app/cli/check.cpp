@@ -17,6 +17,7 @@
 #include "cli/progress.h"
 #include "cli/render_outputs.h"
 #include "cli/scene_list.h"
+#include "cli/threads.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "cli/verdict_json.h"
@@ -163,7 +164,6 @@ std::string totals_text(const Totals& totals, bool is_partial) {
 }
 
 void run_check(const CheckOptions& options) {
-  constexpr int kMostThreads = 1024;
   const ThreadLimit limit(options.threads.empty() ? 0 : parse_count(options.threads, 0, kMostThreads));
   std::vector<std::string> scenes;
   for (ListedScene& scene : list_scenes(options.names)) scenes.push_back(std::move(scene.name));

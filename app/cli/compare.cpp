@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -49,9 +48,6 @@ void add_pictures(Command& command, CompareOptions& o) {
   Shot& shot = o.recipe.shot;
   shot.size = {640, 360};
   constexpr int kMostSamples = 1 << 20, kMostFrames = 4096;
-  const auto seed = [](const std::string& value) {
-    return static_cast<std::uint32_t>(parse_count(value, 0, std::numeric_limits<int>::max()));
-  };
   add_value(command, "--size", "WxH", shot.size, parse_size, "Pixels [640x360]").group(group);
   add_value(command, "--spp", "N", o.settings.samples, count_within(2, kMostSamples),
             "Samples per pixel of the truth [128]")
@@ -60,7 +56,7 @@ void add_pictures(Command& command, CompareOptions& o) {
             "Frames whose mean tells edges and textures from the other causes [16]")
       .group(group);
   add_value(command, "--bounces", "N", shot.traced.bounces, count_within(1, 1024), "Of the truth [8]").group(group);
-  add_value(command, "--seed", "N", shot.traced.seed, seed, "Of the truth's noise [0]").group(group);
+  add_value(command, "--seed", "N", shot.traced.seed, parse_seed, "Of the truth's noise [0]").group(group);
   add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", shot.exposure, parse_exposure,
             "How both are seen [the scene's wish, else metered from the truth]")
       .group(group);
@@ -204,7 +200,7 @@ Verb add_compare(Command& command) {
   command.flag("--json", o.json, "For a machine: one JSON object");
   bool& suspects = o.settings.looks_for_suspects;
   command.flag("!--no-suspects", suspects, "Do not look for mistakes that would explain what is wrong");
-  add_value(command, "--threads", "N", o.recipe.threads, count_within(0, 1024), "0 is all [0]");
+  add_value(command, "--threads", "N", o.recipe.threads, count_within(0, kMostThreads), "0 is all [0]");
   command.flag("-q,--quiet", o.recipe.quiet, "No progress on standard error");
   add_scene_options(command, o.recipe);
   add_pictures(command, o);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <string_view>
 
 #include "base/memory.h"
@@ -12,6 +11,7 @@
 #include "candela/cache.h"
 #include "cli/camera_options.h"
 #include "cli/option.h"
+#include "cli/threads.h"
 #include "cli/values.h"
 
 namespace candela::cli {
@@ -52,10 +52,7 @@ void add_viewpoints(Command& command, SceneRecipe& r, const std::string& group) 
 void add_scene_recipe(Command& command, SceneRecipe& r) {
   const std::string group = "Of two scenes";
   const auto text = [](const std::string& value) { return value; };
-  const auto seed = [](const std::string& value) {
-    return static_cast<std::uint32_t>(parse_count(value, 0, std::numeric_limits<int>::max()));
-  };
-  constexpr int kMostSamples = 1 << 20, kMostThreads = 1024;
+  constexpr int kMostSamples = 1 << 20;
   r.shot.size = kSize;
   add_viewpoints(command, r, group);
   add_value(command, "--size", "WxH", r.shot.size, parse_size, "Of each picture, pixels [384x384]").group(group);
@@ -64,7 +61,7 @@ void add_scene_recipe(Command& command, SceneRecipe& r) {
   add_value(command, "--spp", "N", r.samples, count_within(1, kMostSamples),
             "Samples per pixel [32; raster: frames to average, 1]")
       .group(group);
-  add_value(command, "--seed", "N", r.shot.traced.seed, seed, "Of the noise, the same in both [0]").group(group);
+  add_value(command, "--seed", "N", r.shot.traced.seed, parse_seed, "Of the noise, the same in both [0]").group(group);
   add_value(command, "--env", "FILE|NAME", r.shot.environment, text,
             "What lights both [their own image-based light, else the wish of FIRST, else studio]")
       .choices(environment_words())

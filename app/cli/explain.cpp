@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,9 +50,6 @@ void add_pictures(Command& command, ExplainOptions& o) {
   Shot& shot = o.recipe.shot;
   shot.size = {640, 360};
   constexpr int kMostSamples = 1 << 24, kMostPaths = 1000;
-  const auto seed = [](const std::string& value) {
-    return static_cast<std::uint32_t>(parse_count(value, 0, std::numeric_limits<int>::max()));
-  };
   add_value(command, "--size", "WxH", shot.size, parse_size, "Pixels of the whole picture [640x360]").group(group);
   add_value(command, "--spp", "N", o.settings.samples, count_within(2, kMostSamples), "Paths that are followed [1024]")
       .group(group);
@@ -65,7 +61,7 @@ void add_pictures(Command& command, ExplainOptions& o) {
       .group(group);
   add_value(command, "--bounces", "N", shot.traced.bounces, count_within(1, 1024), "Of the path tracer [8]")
       .group(group);
-  add_value(command, "--seed", "N", shot.traced.seed, seed, "Of the paths [0]").group(group);
+  add_value(command, "--seed", "N", shot.traced.seed, parse_seed, "Of the paths [0]").group(group);
   add_value(command, "--exposure", "auto|EV|f/N,1/T,ISO", shot.exposure, parse_exposure,
             "Of the picture in the page [the scene's wish, else metered]")
       .group(group);
@@ -110,7 +106,7 @@ Verb add_explain(Command& command) {
   command.text("-o,--output", o.output, "Also a page with the picture and the lobes drawn").type("FILE.html");
   command.flag("--json", o.json, "For a machine: one JSON object");
   command.flag("!--no-frame", o.settings.has_frame, "The path tracer alone");
-  add_value(command, "--threads", "N", o.recipe.threads, count_within(0, 1024), "0 is all [0]");
+  add_value(command, "--threads", "N", o.recipe.threads, count_within(0, kMostThreads), "0 is all [0]");
   command.flag("-q,--quiet", o.recipe.quiet, "No progress on standard error");
   add_scene_options(command, o.recipe);
   add_pictures(command, o);

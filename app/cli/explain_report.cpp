@@ -12,6 +12,7 @@
 #include "cli/explain_words.h"
 #include "cli/json_text.h"
 #include "raster/quantity.h"
+#include "scene/surface_layers.h"
 
 namespace candela::cli {
 
@@ -123,7 +124,7 @@ Json source_json(const Scene& scene, const path::LightSource& source) {
 Json surface_json(const Scene& scene, const PixelExplanation& p) {
   if (!p.surface) return nullptr;
   const path::PixelSurface& s = *p.surface;
-  const int material = material_index(scene, s.where);
+  const int material = material_of(scene, s.where);
   Json json = {{"node", node_json(scene, s.where.node)},
                {"primitive", s.where.primitive},
                {"triangle", s.where.triangle},

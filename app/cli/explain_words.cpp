@@ -8,6 +8,7 @@
 
 #include "cli/values.h"
 #include "raster/quantity.h"
+#include "scene/surface_layers.h"
 
 namespace candela::cli {
 
@@ -64,13 +65,8 @@ std::vector<NamedColor> shares_of(const path::PixelSurface& surface) {
                       {"through", s.through}});
 }
 
-int material_index(const Scene& scene, const SurfaceSample& where) {
-  const auto mesh = static_cast<std::size_t>(scene.nodes[static_cast<std::size_t>(where.node)].mesh);
-  return scene.meshes[mesh].primitives[static_cast<std::size_t>(where.primitive)].material;
-}
-
 std::string surface_words(const Scene& scene, const path::PixelSurface& s) {
-  const int material = material_index(scene, s.where);
+  const int material = material_of(scene, s.where);
   const auto index = static_cast<std::size_t>(material);
   return fmt::format(
       "{}, primitive {}, triangle {}, {}{}", node_name(scene, s.where.node), s.where.primitive, s.where.triangle,

@@ -18,7 +18,6 @@ using NamedColor = std::pair<std::string_view, vec3>;
 std::vector<NamedColor> parts_of(const shade::LobeParts& parts);
 std::vector<NamedColor> shares_of(const path::PixelSurface& surface);
 
-int material_index(const Scene& scene, const SurfaceSample& where);  ///< -1 = none
 std::string surface_words(const Scene& scene, const path::PixelSurface& surface);
 std::string property_words(const PropertyValue& property, vec3 value);
 std::string property_origin(const PropertyValue& property);  ///< "0.5 in the file, times its texture"

@@ -11,6 +11,7 @@
 #include "cli/option.h"
 #include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/threads.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "figures/figure_book.h"
@@ -125,7 +126,7 @@ Verb add_figures(Command& command) {
              "final: minutes; draft: half as wide, 8 samples [final]");
   add_value(command, "--spp", "N", o.samples, count_within(1, 65536),
             "Samples per pixel, eight times as many in references [64]");
-  add_value(command, "--threads", "N", o.threads, count_within(1, 1024), "Default: all the machine has");
+  add_value(command, "--threads", "N", o.threads, count_within(1, kMostThreads), "Default: all the machine has");
   command.flag("-q,--quiet", o.quiet, "No progress on standard error");
   command.footer(
       "Figures:" + list_text() +

@@ -13,6 +13,7 @@
 #include "cli/json_text.h"
 #include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/threads.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "image/develop.h"
@@ -108,7 +109,6 @@ Verb add_furnace(Command& command) {
     if (!options->output.empty() && !has_extension(output, ".png")) {
       throw UsageError("--output: the sheet is a .png: " + options->output);
     }
-    constexpr int kMostThreads = 1024;
     const ThreadLimit limit(options->threads.empty() ? 0 : parse_count(options->threads, 1, kMostThreads));
     if (!options->output.empty()) check_writable(output);
 

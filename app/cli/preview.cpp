@@ -19,6 +19,7 @@
 #include "cli/progress.h"
 #include "cli/render_outputs.h"
 #include "cli/scene_list.h"
+#include "cli/threads.h"
 #include "cli/values.h"
 #include "cli/verbs.h"
 #include "cli/verdict_json.h"
@@ -159,7 +160,7 @@ void run_preview(PreviewOptions& o) {
 Verb add_preview(Command& command) {
   const auto options = std::make_shared<PreviewOptions>();
   PreviewOptions& o = *options;
-  constexpr int kLeastSide = 16, kMostSide = 2048, kMostThreads = 1024;
+  constexpr int kLeastSide = 16, kMostSide = 2048;
   command.text("SCENE", o.scene, "A file (" + kSceneFiles + ") or a built-in demo:NAME")
       .choices(demo_words())
       .required();

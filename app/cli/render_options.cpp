@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "cli/output.h"
 #include "cli/render_outputs.h"
 #include "cli/scene_list.h"
+#include "cli/threads.h"
 #include "cli/values.h"
 #include "raster/blocks.h"
 #include "raster/quantity.h"
@@ -110,9 +110,6 @@ void add_sampling(Command& command, RenderOptions& o) {
   add_value(command, "--quality", "draft|good|final", o.quality, parse_quality,
             "Samples, noise target and denoising by what is wanted; --spp, --noise and --denoise override it [none]")
       .group(group);
-  const auto seed = [](const std::string& text) {
-    return static_cast<std::uint32_t>(parse_count(text, 0, std::numeric_limits<int>::max()));
-  };
   add_value(command, "--spp", "N", o.samples, count_within(1, kMostSamples),
             "Samples per pixel, best a power of two [128; 65536 with --time or --noise; raster: frames to average, 1]")
       .group(group);
@@ -129,7 +126,8 @@ void add_sampling(Command& command, RenderOptions& o) {
   add_value(command, "--bounces", "N", o.shot.traced.bounces, count_within(0, 1024),
             "Scattering events along a path; 1 is direct light only [8]")
       .group(group);
-  add_value(command, "--seed", "N", o.shot.traced.seed, seed, "Another seed is another noise pattern [0]").group(group);
+  add_value(command, "--seed", "N", o.shot.traced.seed, parse_seed, "Another seed is another noise pattern [0]")
+      .group(group);
   add_choice(command, "--filter", "NAME", o.shot.traced.filter, kFilters, "box, gaussian or blackman-harris [box]")
       .group(group);
   add_choice(command, "--integrator", "NAME", o.shot.traced.integrator, kIntegrators,
@@ -165,7 +163,7 @@ void add_running(Command& command, RenderOptions& o) {
   const std::string group = "Running";
   add_root(command, o.shot.load.root).group(group);
   add_texture_memory(command, o.shot.load.texture_memory).group(group);
-  add_value(command, "--threads", "N", o.threads, count_within(0, 1024),
+  add_value(command, "--threads", "N", o.threads, count_within(0, kMostThreads),
             "0 is all; the picture does not depend on it [0]")
       .group(group);
   add_choice(command, "--engine", "path|raster", o.shot.engine, kEngines,

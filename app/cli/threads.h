@@ -7,6 +7,8 @@
 
 namespace candela::cli {
 
+constexpr int kMostThreads = 1024;
+
 /// How many threads a work with pictures in real time may take while this lives; 0 is all. Mesa's processor driver has
 /// threads of its own.
 class Threads {

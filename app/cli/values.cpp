@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -74,6 +75,10 @@ int parse_count(const std::string& text, int low, int high) {
     throw UsageError(fmt::format("{} is not within {} to {}", text, low, high));
   }
   return value;
+}
+
+std::uint32_t parse_seed(const std::string& text) {
+  return static_cast<std::uint32_t>(parse_count(text, 0, std::numeric_limits<int>::max()));
 }
 
 ivec2 parse_size(const std::string& text) {

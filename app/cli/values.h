@@ -55,6 +55,9 @@ inline constexpr Words<Falloff, 4> kFalloffs{{{"gltf", Falloff::gltf},
 float parse_number(const std::string& text, float low, float high);
 int parse_count(const std::string& text, int low, int high);
 
+/// Of a noise pattern: a whole number from 0.
+std::uint32_t parse_seed(const std::string& text);
+
 ivec2 parse_size(const std::string& text);           ///< "1280x720"
 double parse_duration(const std::string& text);      ///< seconds from "30", "30s", "1.5m", "2h", "500ms"
 double parse_moment(const std::string& text);        ///< the same, 0 too

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "candela/viewpoint.h"
+#include "scene/surface_layers.h"
 #include "viewer/app.h"
 
 namespace candela::viewer {
@@ -149,9 +150,7 @@ void App::pick(vec2 position) {
     picked_ = picked;
     ++picks_;
     if (picked.sample.node < 0) return;
-    const Node& node = picked.scene->nodes[static_cast<std::size_t>(picked.sample.node)];
-    const Mesh& mesh = picked.scene->meshes[static_cast<std::size_t>(node.mesh)];
-    material_ = mesh.primitives[static_cast<std::size_t>(picked.sample.primitive)].material;
+    material_ = material_of(*picked.scene, picked.sample);
   });
   explained_.clear();
   tracing_->explain(look(), ivec2(position), [this](std::string text) {

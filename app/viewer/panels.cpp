@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "raster/quantity.h"
+#include "scene/surface_layers.h"
 #include "viewer/app.h"
 
 namespace candela::viewer {
@@ -165,8 +166,7 @@ void App::build_overlay() {
     } else {
       const Scene& scene = *picked_->scene;
       const auto node = static_cast<std::size_t>(s.node);
-      const Mesh& mesh = scene.meshes[static_cast<std::size_t>(scene.nodes[node].mesh)];
-      const int material = mesh.primitives[static_cast<std::size_t>(s.primitive)].material;
+      const int material = material_of(scene, s);
       footer += fmt::format("   pixel {},{}: node {} '{}', {}, at {:.4g}, {:.4g}, {:.4g}", picked_->pixel.x,
                             picked_->pixel.y, number_of(scene.nodes, node), scene.nodes[node].name,
                             check::material_label(scene, material), s.position.x, s.position.y, s.position.z);

@@ -10,18 +10,12 @@
 #include "ibl/cube.h"
 #include "ibl/sh.h"
 #include "scene/material_table.h"
+#include "scene/surface_layers.h"
 #include "shade/image_light.glsl.h"
 
 namespace candela {
 
 namespace {
-
-const Material* material_of(const Scene& scene, const path::PixelSurface& surface) {
-  const int mesh = scene.nodes[static_cast<std::size_t>(surface.where.node)].mesh;
-  const Primitive& primitive =
-      scene.meshes[static_cast<std::size_t>(mesh)].primitives[static_cast<std::size_t>(surface.where.primitive)];
-  return primitive.material < 0 ? nullptr : &scene.materials[static_cast<std::size_t>(primitive.material)];
-}
 
 template <class Owner>
 vec3 value_of(const NumberOrColor<Owner>& member, const Owner& owner) {
@@ -31,8 +25,8 @@ vec3 value_of(const NumberOrColor<Owner>& member, const Owner& owner) {
 std::vector<PropertyValue> find_properties(const Scene& scene, const path::PixelSurface& surface) {
   std::vector<PropertyValue> values;
   const Material plain;
-  const Material* found = material_of(scene, surface);
-  const Material& material = found == nullptr ? plain : *found;
+  const int index = material_of(scene, surface.where);
+  const Material& material = index < 0 ? plain : scene.materials[static_cast<std::size_t>(index)];
   for (const MaterialProperty& row : kMaterialProperties) {
     PropertyValue value{row.name, row.member.size()};
     value.has_texture = row.texture && material.*row.texture.slot;

@@ -16,7 +16,7 @@ vec3 position_at(const Scene& scene, int node, int primitive, std::uint32_t tria
 /// The first texture coordinates there; 0 where the mesh has none.
 vec2 uv_at(const Scene& scene, int node, int primitive, std::uint32_t triangle, vec2 barycentric);
 
-/// The material's index.
+/// The material's index; -1 = none.
 int material_of(const Scene& scene, const SurfaceSample& sample);
 
 /// Adds those of `layers` that have no mean, but for Layer::motion. `map` was made of this scene and view.

@@ -207,14 +207,19 @@ TEST_F(law_raster, other_shading_models_are_those_of_the_path_tracer) {
   }
 }
 
-double mean_difference(const Film& a, const Film& b) {
+/// Σ |a - b| over Σ a.
+double mean_difference(const Image& expected, const Image& found) {
   double sum = 0.0, weight = 0.0;
-  for (std::size_t i = 0; i < a.beauty.pixels.size(); ++i) {
+  for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
     if (i % 4 == 3) continue;
-    sum += std::abs(static_cast<double>(a.beauty.pixels[i] - b.beauty.pixels[i]));
-    weight += static_cast<double>(a.beauty.pixels[i]);
+    sum += std::abs(static_cast<double>(expected.pixels[i] - found.pixels[i]));
+    weight += static_cast<double>(expected.pixels[i]);
   }
   return sum / weight;
+}
+
+double mean_difference(const Film& expected, const Film& found) {
+  return mean_difference(expected.beauty, found.beauty);
 }
 
 /// Sum over the picture, or the middle of it, where the ball is seen from the front.
@@ -585,17 +590,6 @@ TEST_F(law_raster, colours_of_nodes_are_those_of_the_path_tracer) {
   EXPECT_GT(
       compare(expected.beauty, draw(scene, dark_environment(), sphere_view(), drawn(kSize)).beauty, 0.02, 0.05).worst,
       0.1);
-}
-
-/// Σ |a - b| over Σ a.
-double mean_difference(const Image& expected, const Image& found) {
-  double sum = 0.0, weight = 0.0;
-  for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
-    if (i % 4 == 3) continue;
-    sum += std::abs(static_cast<double>(expected.pixels[i] - found.pixels[i]));
-    weight += static_cast<double>(expected.pixels[i]);
-  }
-  return sum / weight;
 }
 
 TEST_F(law_raster, panels_and_bulbs_light_what_is_around_them) {
