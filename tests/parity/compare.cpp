@@ -46,7 +46,7 @@ const std::vector<Row>& rows() {
       {"model_specular", {.outliers = 1.5e-2}},
       // A share of one. Of narrow Blinn lobes the points of the sum, which are GGX's, see tails of 1e-5 alone.
       {"layers_shares", {.floor = 1e-2}},
-      {"surface_shares", {.floor = 1e-2, .outliers = 1e-2}},
+      {"surface_shares", {.floor = 1e-2}},
       // Edges that cancel: what is left of terms of up to π, over 2 π.
       {"area_share", {.floor = 3e-2}},
       {"area_edge*", {.floor = 1e-2}},
