@@ -42,8 +42,8 @@ Running& running() {
   return *the_only_one;
 }
 
-/// Whether Python is ending and this thread, a daemon, is to be left where it is: the interpreter may go away under whatever
-/// it would do next, and an error that it printed would be of work that nobody waits for.
+/// Whether Python is ending and this thread, a daemon, is to be left where it is: the interpreter may go away under
+/// whatever it would do next, and an error that it printed would be of work that nobody waits for.
 bool is_left_behind() { return running().is_ending && std::this_thread::get_id() != running().ends; }
 
 void stay() {

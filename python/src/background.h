@@ -13,8 +13,8 @@ namespace nb = nanobind;
 /// Does `work` on a thread of its own, without Python's lock, and returns when it is done. `progress`, unless None, is
 /// called on the caller's thread, a few times per second; if it returns False, the work is stopped. What it raises, and
 /// Ctrl-C, stop the work and arrive here; so does what `work` throws. Throws as refuse_after_the_end(), and Error
-/// in a process that was forked from one which has worked already. Does not return where Python ends meanwhile: it does so
-/// only while daemon threads work.
+/// in a process that was forked from one which has worked already. Does not return where Python ends meanwhile: it does
+/// so only while daemon threads work.
 void run_in_background(const nb::object& progress, const std::function<void(const Job& job)>& work);
 
 /// Does `work`, which takes no longer than a moment, here and without Python's lock; Python does not end before. Throws
