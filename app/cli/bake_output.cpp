@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "cli/json_text.h"
 #include "ibl/profile_code.h"
 #include "image/cube_layout.h"
@@ -161,7 +162,7 @@ std::string diff_text(const std::vector<CubeLevelDifference>& levels) {
     text += fmt::format("{:>5} {:>6} {:>11} {:>11} {:>11} {:>13.4g}  {} {},{}\n", i, d.size, percent(d.max_relative),
                         percent(d.rms_relative), percent(d.mean_relative), d.max_absolute,
                         kFaceNames[static_cast<std::size_t>(d.face)], d.x, d.y);
-    if (d.non_finite > 0) text += fmt::format("      {} texels are not finite and left out\n", d.non_finite);
+    if (d.non_finite > 0) text += fmt::format("      {} not finite, left out\n", counted(d.non_finite, "texel"));
   }
   return text;
 }

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/text.h"
 #include "candela/verdict.h"
 #include "cli/check_filter.h"
 #include "cli/interrupt.h"
@@ -43,12 +44,8 @@ struct Totals {
   }
 };
 
-std::string plural(std::size_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 std::string counts_text(std::size_t errors, std::size_t warnings, std::size_t notes) {
-  return plural(errors, "error") + ", " + plural(warnings, "warning") + ", " + plural(notes, "note");
+  return counted(errors, "error") + ", " + counted(warnings, "warning") + ", " + counted(notes, "note");
 }
 
 std::string percent_text(double share) {
@@ -77,8 +74,8 @@ std::string verdict_text(const Verdict& v) {
   if (v.unreadable) {
     text += "cannot be read\n";
   } else if (v.findings.empty()) {
-    return text +
-           fmt::format("clean ({}, {})\n", plural(v.material_count, "material"), plural(v.triangle_count, "triangle"));
+    return text + fmt::format("clean ({}, {})\n", counted(v.material_count, "material"),
+                              counted(v.triangle_count, "triangle"));
   } else {
     text += counts_text(v.count(Severity::error), v.count(Severity::warning), v.count(Severity::note)) + "\n";
   }
@@ -158,7 +155,7 @@ class Sieve {
 /// One line after all verdicts of several files, or of one whose findings were known.
 std::string totals_text(const Totals& totals, bool is_partial) {
   return fmt::format("{}{}, {} clean, {} unreadable: {}{}\n", is_partial ? "interrupted: " : "",
-                     plural(totals.files, "file"), totals.clean, totals.unreadable,
+                     counted(totals.files, "file"), totals.clean, totals.unreadable,
                      counts_text(totals.errors, totals.warnings, totals.notes),
                      totals.known > 0 ? fmt::format(", {} known", totals.known) : "");
 }
@@ -206,14 +203,14 @@ void run_check(const CheckOptions& options) {
   } else if (scenes.size() > 1 || totals.known > 0) {
     print(totals_text(totals, is_partial));
   }
-  if (is_partial) throw Interrupted(fmt::format("{} of {} are judged", totals.files, plural(scenes.size(), "file")));
+  if (is_partial) throw Interrupted(fmt::format("{} of {} are judged", totals.files, counted(scenes.size(), "file")));
   sieve.finish();
   if (totals.unreadable > 0) {
-    throw Error(fmt::format("{} of {} cannot be read", totals.unreadable, plural(totals.files, "file")));
+    throw Error(fmt::format("{} of {} cannot be read", totals.unreadable, counted(totals.files, "file")));
   }
   if (options.strict && totals.errors + totals.warnings > 0) {
     throw Error(
-        fmt::format("{} and {} (--strict)", plural(totals.errors, "error"), plural(totals.warnings, "warning")));
+        fmt::format("{} and {} (--strict)", counted(totals.errors, "error"), counted(totals.warnings, "warning")));
   }
 }
 

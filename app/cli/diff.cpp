@@ -93,7 +93,12 @@ void check_output(const DiffOptions& o, const Pairs& pairs) {
   }
   if (o.recipe.camera_file) inputs.add(*o.recipe.camera_file, "the cameras");
   inputs.add_environment(o.recipe.shot.environment.value_or(""));
-  inputs.refuse(o.output);
+  if (pairs.are_scenes && is_map(o)) {
+    const RenderOptions maps = maps_of_scenes(o);
+    check_overwriting(maps, name_pictures(maps, labels_before_loading(maps.shot)), inputs);
+  } else {
+    inputs.refuse(o.output);
+  }
   check_writable(o.output);
 }
 

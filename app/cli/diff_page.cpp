@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/text.h"
 #include "cli/diff_report.h"
 #include "cli/pair_page.h"
 #include "figures/markup.h"
@@ -22,7 +23,7 @@ std::string pair_html(const Compared& c, const std::optional<float>& max_flip) {
 
 std::string summary_text(const std::vector<Compared>& all, const std::optional<float>& max_flip) {
   const auto beyond = std::count_if(all.begin(), all.end(), [&](const Compared& c) { return c.is_beyond(max_flip); });
-  const std::string count = fmt::format("{} {}", all.size(), all.size() == 1 ? "pair" : "pairs");
+  const std::string count = counted(all.size(), "pair");
   return max_flip ? fmt::format("{} of {} beyond a FLIP of {}", beyond, count, *max_flip) : count;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "base/text.h"
 #include "cli/json_text.h"
 #include "cli/values.h"
 
@@ -34,7 +35,7 @@ std::string layer_text(const LayerDifference& layer, double pixels) {
           ? "the same"
           : fmt::format("{:.3g} % of the pixels changed, by {:.3g} in the mean of all and {:.3g} at most",
                         100.0 * static_cast<double>(layer.changed) / pixels, layer.mean, layer.max);
-  if (layer.broken > 0) text += fmt::format("; not finite in {} pixels", layer.broken);
+  if (layer.broken > 0) text += fmt::format("; not finite in {}", counted(layer.broken, "pixel"));
   return text;
 }
 

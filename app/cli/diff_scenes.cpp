@@ -128,7 +128,7 @@ void check_memory(const SceneRecipe& r) {
   const std::size_t count = r.shot.camera_sphere ? static_cast<std::size_t>(r.shot.camera_sphere->count) : listed;
   constexpr std::uint64_t kBytesPerPixel = 8 * sizeof(float);  // the picture, and what glass lets through
   require_memory(picture_bytes(r.shot) + count * pixels * kBytesPerPixel, available_memory(),
-                 fmt::format("{} pictures of {}x{}", count, r.shot.size.x, r.shot.size.y), "--size");
+                 fmt::format("{} of {}x{}", counted(count, "picture"), r.shot.size.x, r.shot.size.y), "--size");
 }
 
 }  // namespace candela::cli

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/text.h"
 #include "candela/candela.h"
 #include "cli/interrupt.h"
 #include "cli/option.h"
@@ -101,9 +102,9 @@ void run_figures(const FigureOptions& o) {
   };
   const figures::BookResult result = figures::write_figures(folder, o.chosen, settings, note, job);
   tell_warnings();
-  progress.line(fmt::format("{}: {}{} figure{}, {} files in {}", (folder / "index.html").string(),
-                            result.stopped ? "interrupted; " : "", result.figures, result.figures == 1 ? "" : "s",
-                            result.files, duration_text(seconds())));
+  progress.line(fmt::format("{}: {}{}, {} in {}", (folder / "index.html").string(),
+                            result.stopped ? "interrupted; " : "", counted(result.figures, "figure"),
+                            counted(result.files, "file"), duration_text(seconds())));
   if (result.stopped) {
     throw Interrupted(fmt::format("{} of {} figures are there, with their pages", result.figures, o.chosen.size()));
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/text.h"
 #include "cli/output.h"
 #include "cli/render_outputs.h"
 
@@ -36,7 +37,7 @@ std::vector<std::string> Films::finish() {
   std::vector<std::string> lines;
   for (auto& [path, film] : films_) {
     film.writer->finish();
-    lines.push_back(fmt::format("{}: {} pictures of {}x{}, {:.4g} per second", path.string(), film.count,
+    lines.push_back(fmt::format("{}: {} of {}x{}, {:.4g} per second", path.string(), counted(film.count, "picture"),
                                 film.settings.size.x, film.settings.size.y, film.settings.frame_rate));
   }
   films_.clear();

@@ -10,6 +10,7 @@
 
 #include "base/diagnostics.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "candela/candela.h"
 #include "cli/json_text.h"
 #include "cli/option.h"
@@ -172,7 +173,7 @@ void describe_content(const Scene& scene, const FileSurvey* survey, Json& json, 
   if (!scene.name.empty()) table.row("name", scene.name);
   table.row("nodes", fmt::format("{}, {} with a mesh{}", scene.nodes.size(), counts.placed_meshes,
                                  counts.hidden_nodes > 0 ? fmt::format(", {} hidden", counts.hidden_nodes) : ""));
-  table.row("meshes", fmt::format("{} of {} primitives", scene.meshes.size(), counts.primitives));
+  table.row("meshes", fmt::format("{} of {}", scene.meshes.size(), counted(counts.primitives, "primitive")));
   table.row("triangles",
             fmt::format("{}, {} as placed; {} vertices", counts.triangles, counts.placed_triangles, counts.vertices));
   describe_materials(scene, json, table);

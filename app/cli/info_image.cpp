@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "cli/info.h"
 #include "cli/json_text.h"
 #include "cli/values.h"
@@ -87,7 +88,7 @@ Report image_report(const std::string& text) {
     json["cube_layout"] = layout_name(*layout);
     table.row("cube map", fmt::format("perhaps: it has the shape of a {}", layout_name(*layout)));
   }
-  if (light.non_finite > 0) table.row("not finite", fmt::format("{} pixels", light.non_finite));
+  if (light.non_finite > 0) table.row("not finite", counted(light.non_finite, "pixel"));
   json["attributes"] = nlohmann::ordered_json::array();
   for (const ImageFact& fact : file.facts) {
     json["attributes"].push_back(

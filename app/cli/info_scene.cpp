@@ -162,7 +162,7 @@ void describe_images(const Scene& scene, const FileSurvey* survey, Json& json, T
                   {"gpu_bytes", gpu_bytes(scene, survey, i, uses[i])},
                   {"slots", uses[i].slots},
                   {"materials", uses[i].materials}};
-    std::string name;
+    std::string name, error;
     if (survey != nullptr && i < survey->images.size()) {
       const FileSurvey::Image& file = survey->images[i];
       entry["error"] = file.error.empty() ? Json(nullptr) : Json(file.error);
@@ -170,10 +170,12 @@ void describe_images(const Scene& scene, const FileSurvey* survey, Json& json, T
       entry["format"] = file.format;
       entry["file_bytes"] = file.file_bytes;
       name = file.name.empty() ? "" : file.name + ": ";
-      name += fmt::format("{} ({}), ", file.format, bytes_text(file.file_bytes));
+      // Of a file that is not there neither is known.
+      if (!file.format.empty()) name += fmt::format("{} ({}), ", file.format, bytes_text(file.file_bytes));
+      error = file.error;
     }
-    if (entry.contains("error") && !entry["error"].is_null()) {
-      lines.push_back(name + "cannot be read");
+    if (!error.empty()) {
+      lines.push_back(name + "cannot be read: " + error);
     } else {
       lines.push_back(fmt::format("{}{} x {}, {} bits{}, {}, {} of {} material{}", name, image.width, image.height,
                                   pixels.bits, pixels.has_alpha ? " with alpha" : "", bytes_text(memory),

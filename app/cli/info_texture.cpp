@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "cli/info.h"
 #include "cli/json_text.h"
 #include "cli/values.h"
@@ -63,7 +64,7 @@ void describe_levels(const TextureInfo& info, const std::vector<std::vector<Imag
       entry["luminance"] = {{"min", light.least}, {"max", light.most}, {"mean", light.mean}};
       entry["non_finite_texels"] = light.non_finite;
       line += fmt::format(", luminance min {:.6g}, max {:.6g}, mean {:.6g}", light.least, light.most, light.mean);
-      if (light.non_finite > 0) line += fmt::format(", {} texels not finite", light.non_finite);
+      if (light.non_finite > 0) line += fmt::format(", {} not finite", counted(light.non_finite, "texel"));
     }
     json["levels"].push_back(std::move(entry));
     table.item(line);

@@ -11,11 +11,27 @@ namespace candela::cli {
 
 namespace fs = std::filesystem;
 
-void Inputs::add(const fs::path& path, const std::string& what) {
+void Inputs::add(const fs::path& path, const Use& use) {
   if (is_device(path)) return;
-  what_.try_emplace(file_identity(path), what);
+  files_.try_emplace(file_identity(path), use);
   std::error_code code;
-  paths_.try_emplace(fs::weakly_canonical(path, code), what);
+  paths_.try_emplace(fs::weakly_canonical(path, code), use);
+}
+
+void Inputs::add(const fs::path& path, const std::string& what) { add(path, Use{what, false}); }
+
+void Inputs::add_written(const fs::path& path, const std::string& what) { add(path, Use{what, true}); }
+
+void Inputs::add(const Inputs& others) {
+  files_.insert(others.files_.begin(), others.files_.end());
+  paths_.insert(others.paths_.begin(), others.paths_.end());
+}
+
+void Inputs::add_existing(const Inputs& others) {
+  for (const auto& [path, use] : others.paths_) {
+    std::error_code ignored;
+    if (fs::exists(path, ignored)) add(path, use);
+  }
 }
 
 void Inputs::add(const std::vector<io::ReferencedFile>& files) {
@@ -38,24 +54,25 @@ void Inputs::add_folder(const fs::path& folder, const std::string& what) {
   }
 }
 
-std::string Inputs::reader_of(const fs::path& path) const {
-  const auto found = what_.find(file_identity(path));
-  return found == what_.end() ? std::string() : found->second;
+const Inputs::Use* Inputs::find(const fs::path& path) const {
+  const auto found = files_.find(file_identity(path));
+  return found == files_.end() ? nullptr : &found->second;
 }
 
 void Inputs::refuse(const fs::path& path) const {
-  if (const std::string what = reader_of(path); !what.empty()) {
-    throw Error("is an input and would be overwritten: " + what, path.string());
-  }
+  const Use* use = find(path);
+  if (use == nullptr) return;
+  const std::string fault = use->is_written ? "would be overwritten: " : "is an input and would be overwritten: ";
+  throw Error(fault + use->what, path.string());
 }
 
 void Inputs::refuse_folder(const fs::path& folder) const {
   std::error_code code;
   const fs::path place = fs::weakly_canonical(folder, code);
-  for (const auto& [path, what] : paths_) {
+  for (const auto& [path, use] : paths_) {
     const fs::path inside = path.lexically_relative(place);
     if (inside.empty() || inside.begin()->string() == "..") continue;
-    throw Error("lies in the folder of the data set and could be overwritten: " + what, path.string());
+    throw Error("lies in the output folder and could be overwritten: " + use.what, path.string());
   }
 }
 

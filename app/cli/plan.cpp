@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
+#include "base/text.h"
 #include "cli/films.h"
 #include "cli/interrupt.h"
 #include "cli/jobs.h"
@@ -71,8 +72,15 @@ std::vector<std::string> without_outputs(const std::vector<std::string>& words) 
   return rest;
 }
 
-/// What one render command becomes.
-struct PlannedJob {
+/// A render command that has been understood.
+struct RenderCommand {
+  std::vector<std::string> words;
+  RenderOptions options;
+  PictureNames names;
+};
+
+/// What render commands become.
+struct PlannedWork {
   std::vector<std::string> lines;
   std::vector<std::string> merges;  ///< after them
   double work_s = 0.0;
@@ -86,29 +94,43 @@ class Planner {
     if (!folder.empty()) prefix_ = "cd " + quoted(folder) + " && ";
   }
 
-  PlannedJob plan(const std::vector<std::string>& words, const std::string& list) {
-    const RenderOptions o = parse_job(words, list, options_.quiet);
+  /// Opens the scenes of a command: a variant or an animation that it has not is known here.
+  void add(const std::vector<std::string>& words, const std::string& list) {
+    RenderOptions o = parse_job(words, list, options_.quiet);
     check(o);
-    const std::size_t pictures = count_of(o);
+    Inputs inputs = inputs_of_options(o);
+    PictureNames names = o.is_batch ? names_of_batch(o, inputs) : names_of_shot(o, inputs);
+    inputs_.add(inputs);
+    commands_.push_back({words, std::move(o), std::move(names)});
+  }
+
+  PlannedWork plan() {
+    check_files();
+    PlannedWork work;
+    for (const RenderCommand& command : commands_) plan(command, work);
+    return work;
+  }
+
+ private:
+  void plan(const RenderCommand& command, PlannedWork& work) {
+    const RenderOptions& o = command.options;
+    const std::size_t pictures = command.names.size();
     WorkTimes times;
     if (options_.picture_s) {
       times.picture_s = *options_.picture_s;
     } else {
       times = measure(o);
     }
-    PlannedJob job;
-    job.work_s = times.picture_s * static_cast<double>(pictures);
     const std::vector<WorkPiece> pieces =
         divide_work(pictures, o.is_batch ? 1 : most_parts(o.shot), times, options_.piece_s);
-    job.work_s += times.start_s * static_cast<double>(pieces.size());
+    work.work_s += times.picture_s * static_cast<double>(pictures);
+    work.work_s += times.start_s * static_cast<double>(pieces.size());
     for (const WorkPiece& piece : pieces) {
-      job.lines.push_back(piece.part ? part_line(o, words, piece) : line_of(words, piece, pictures));
+      work.lines.push_back(piece.part ? part_line(command, piece) : line_of(command.words, piece, pictures));
     }
-    if (!pieces.empty() && pieces[0].part) job.merges = merge_lines(o, pieces[0].part->count);
-    return job;
+    if (!pieces.empty() && pieces[0].part) add_merges(command, pieces[0].part->count, work.merges);
   }
 
- private:
   /// What is written once for all pictures of a command cannot be written by several.
   static void check(const RenderOptions& o) {
     const auto refuse = [](const char* option, const std::string& why) {
@@ -127,26 +149,34 @@ class Planner {
     }
   }
 
-  /// Opens the scene: a variant or an animation that it has not is known here.
-  std::size_t count_of(const RenderOptions& o) {
-    if (o.is_batch && o.shot.has_many_pictures()) {
+  PictureNames names_of_batch(const RenderOptions& o, Inputs& inputs) const {
+    if (o.shot.has_many_pictures()) {
       throw UsageError("SCENE: several of one picture each, or one; plan a command for each scene");
     }
-    Inputs inputs = inputs_of_options(o);
-    names_.clear();
-    if (o.is_batch) {
-      add_scene_files(o.scenes, o.shot.load.root, inputs);
-    } else {
-      Diagnostics diagnostics;
-      Take take(o.shot, &diagnostics);
-      for (const Diagnostic& warning : diagnostics.warnings()) progress_.warn(warning);
-      names_ = name_pictures(o, take.labels());
-      inputs.add(take.files());
-      check_overwriting(o, names_, inputs);
-    }
-    for (const fs::path& list : lists_) inputs.refuse(list);
-    return o.is_batch ? o.scenes.size() : names_.size();
+    add_scene_files(o.scenes, o.shot.load.root, inputs);
+    PictureNames names;
+    for (const fs::path& output : batch_outputs(o.stems, o.outputs[0], inputs)) names.push_back({output});
+    return names;
   }
+
+  PictureNames names_of_shot(const RenderOptions& o, Inputs& inputs) {
+    Diagnostics diagnostics;
+    const Take take(o.shot, &diagnostics);
+    for (const Diagnostic& warning : diagnostics.warnings()) progress_.warn(warning);
+    inputs.add(take.files());
+    return name_pictures(o, take.labels());
+  }
+
+  /// Nobody knows in which order lines are run: what one command reads or writes, no other may write.
+  void check_files() {
+    for (const fs::path& list : lists_) inputs_.refuse(list);
+    for (const RenderCommand& command : commands_) {
+      check_overwriting(command.options, command.names, inputs_);
+      for (const fs::path& file : written_files(command.options, command.names)) add_written(file);
+    }
+  }
+
+  void add_written(const fs::path& file) { inputs_.add_written(file, "written by another command of the plan"); }
 
   WorkTimes measure(const RenderOptions& o) {
     progress_.phase("measuring " + o.shot.scene);
@@ -169,31 +199,35 @@ class Planner {
     return (picture.parent_path() / "parts" / name).string();
   }
 
-  std::string part_line(const RenderOptions& o, const std::vector<std::string>& words, const WorkPiece& piece) const {
+  std::string part_line(const RenderCommand& command, const WorkPiece& piece) const {
     std::string line = prefix_ + "candela render";
-    for (const std::string& word : without_outputs(words)) line += " " + quoted(word);
-    if (names_.size() > 1) line += fmt::format(" --pictures {}", piece.pictures.first);
+    for (const std::string& word : without_outputs(command.words)) line += " " + quoted(word);
+    if (command.names.size() > 1) line += fmt::format(" --pictures {}", piece.pictures.first);
     return line + fmt::format(" --part {}/{} -o {}", piece.part->index, piece.part->count,
-                              quoted(part_name(o.outputs[0], *piece.part)));
+                              quoted(part_name(command.options.outputs[0], *piece.part)));
   }
 
-  std::vector<std::string> merge_lines(const RenderOptions& o, int parts) const {
-    std::vector<std::string> lines;
-    for (const std::vector<fs::path>& outputs : names_) {
+  void add_merges(const RenderCommand& command, int parts, std::vector<std::string>& merges) {
+    for (const std::vector<fs::path>& outputs : command.names) {
       std::string line = prefix_ + "candela merge";
-      for (int part = 1; part <= parts; ++part) line += " " + quoted(part_name(outputs[0], {part, parts}));
+      for (int part = 1; part <= parts; ++part) {
+        const std::string name = part_name(outputs[0], {part, parts});
+        inputs_.refuse(name);  // a.png and a.exr have parts of one name
+        add_written(name);
+        line += " " + quoted(name);
+      }
       for (const fs::path& output : outputs) line += " -o " + quoted(output.string());
-      if (o.strict) line += " --strict";
-      lines.push_back(line);
+      if (command.options.strict) line += " --strict";
+      merges.push_back(line);
     }
-    return lines;
   }
 
   const PlanOptions& options_;
   std::vector<fs::path> lists_;  ///< that are written
   ProgressLine& progress_;
   std::string prefix_;
-  PictureNames names_;  ///< of the command at hand, unless it has several scenes
+  std::vector<RenderCommand> commands_;
+  Inputs inputs_;  ///< of all, and what those have written that were looked at
 };
 
 /// The lines of a file of jobs, without "candela render".
@@ -208,10 +242,20 @@ std::vector<std::vector<std::string>> jobs_of(const std::string& file) {
   return jobs;
 }
 
-/// A list, a command in one word, or in several.
+/// A list, commands of one word each, or one in several.
 std::vector<std::vector<std::string>> jobs_of(const std::vector<std::string>& job, std::string& list) {
+  std::error_code ignored;  // a command may be too long for a name
+  // Of one in several words hardly each has a blank, unless it is a file's name.
+  const auto is_command = [&](const std::string& word) {
+    return word.find(' ') != std::string::npos && !fs::exists(word, ignored);
+  };
+  if (job.size() > 1 && std::all_of(job.begin(), job.end(), is_command)) {
+    std::vector<std::vector<std::string>> jobs;
+    for (const std::string& line : job) jobs.push_back(without_verb(words_of(line)));
+    return jobs;
+  }
   if (job.size() > 1) return {without_verb(job)};
-  const bool is_file = fs::is_regular_file(job[0]);
+  const bool is_file = fs::is_regular_file(job[0], ignored);
   if (is_file && has_extension(job[0], ".txt")) return jobs_of(list = job[0]);
   return {is_file ? job : without_verb(words_of(job[0]))};
 }
@@ -240,13 +284,8 @@ void run_plan(const PlanOptions& o) {
   const std::vector<std::vector<std::string>> jobs = jobs_of(o.job, source);
   if (jobs.empty()) throw Error("has no jobs", source);
   Planner planner(o, {list, merges}, progress);
-  PlannedJob all;
-  for (const std::vector<std::string>& job : jobs) {
-    const PlannedJob one = planner.plan(job, source);
-    all.lines.insert(all.lines.end(), one.lines.begin(), one.lines.end());
-    all.merges.insert(all.merges.end(), one.merges.begin(), one.merges.end());
-    all.work_s += one.work_s;
-  }
+  for (const std::vector<std::string>& job : jobs) planner.add(job, source);
+  const PlannedWork all = planner.plan();
   write_list(list, all.lines);
   if (!all.merges.empty()) {
     write_list(merges, all.merges);
@@ -254,10 +293,9 @@ void run_plan(const PlanOptions& o) {
     std::error_code code;
     fs::remove(merges, code);  // of an earlier plan
   }
-  const auto count_text = [](std::size_t count) { return fmt::format("{} {}", count, count == 1 ? "line" : "lines"); };
   std::string text = fmt::format("{}: {}, {} of work on one machine like this", list.string(),
-                                 count_text(all.lines.size()), duration_text(all.work_s));
-  if (!all.merges.empty()) text += fmt::format("; then {}: {}", merges.string(), count_text(all.merges.size()));
+                                 counted(all.lines.size(), "line"), duration_text(all.work_s));
+  if (!all.merges.empty()) text += fmt::format("; then {}: {}", merges.string(), counted(all.merges.size(), "line"));
   progress.line(text);
 }
 
@@ -270,7 +308,7 @@ fs::path merge_list_of(const fs::path& list) {
 Verb add_plan(Command& command) {
   const auto options = std::make_shared<PlanOptions>();
   PlanOptions& o = *options;
-  command.texts("JOB", o.job, "A render command, in quotes or after --, or a .txt with one on each line");
+  command.texts("JOB", o.job, "Render commands, each in quotes, or one after --, or a .txt with one on each line");
   command.text("-o,--output", o.output, "The list of lines to write; of DIR/ it is DIR/jobs.txt").type("FILE|DIR/");
   add_value(command, "--each", "5min", o.piece_s, parse_duration,
             "How long a line shall take on a machine like this one [5min]");

@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <memory>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "base/diagnostics.h"
 #include "base/error.h"
@@ -169,6 +172,13 @@ void write_made_part(const fs::path& output, const PicturePart& part) {
   write_part(output, part);
 }
 
+/// What the commands of a list have in common; a command alone is a list of one.
+struct Run {
+  std::shared_ptr<Stage> stage = std::make_shared<Stage>();
+  Inputs inputs;                  ///< and what earlier commands have written
+  std::vector<fs::path> written;  ///< by the command at hand
+};
+
 /// Where the pictures of a scene stand in a data set.
 struct DatasetPlace {
   Dataset* dataset = nullptr;  ///< null: there is none
@@ -176,20 +186,22 @@ struct DatasetPlace {
 };
 
 /// `prefix` tells which of several scenes it is.
-TakeResult render_scene(const RenderOptions& given, Inputs inputs, const std::shared_ptr<Stage>& stage, int threads,
-                        ProgressLine& progress, DatasetPlace place = {}, const std::string& prefix = {}, Job job = {}) {
+TakeResult render_scene(const RenderOptions& given, Run& run, int threads, ProgressLine& progress,
+                        DatasetPlace place = {}, const std::string& prefix = {}, Job job = {}) {
   const Stopwatch total;
   RenderOptions o = given;
   // What is wrong with a name that was given is told before anything is loaded.
-  if (!o.has_default_name) check_overwriting(o, name_pictures(o, labels_before_loading(o.shot)), inputs);
+  if (!o.has_default_name) check_overwriting(o, name_pictures(o, labels_before_loading(o.shot)), run.inputs);
   check_paths(o);
   progress.phase(prefix + "loading " + o.shot.scene);
   Diagnostics diagnostics;
-  Take take(o.shot, &diagnostics, stage);
-  inputs.add(take.files());
-  choose_default_name(o, take.labels(), inputs);
+  Take take(o.shot, &diagnostics, run.stage);
+  run.inputs.add(take.files());
+  choose_default_name(o, take.labels(), run.inputs);
   const PictureNames names = name_pictures(o, take.labels());
-  check_overwriting(o, names, inputs);
+  check_overwriting(o, names, run.inputs);
+  const std::vector<fs::path> written = written_files(o, names);
+  run.written.insert(run.written.end(), written.begin(), written.end());
   take.prepare();
   if (o.checkpoint) take.set_checkpoint({.file = *o.checkpoint, .resumes = o.resumes});
   if (place.dataset != nullptr) place.dataset->check(take.views());
@@ -257,15 +269,12 @@ void report_interruption(std::size_t done, std::size_t asked, bool is_last_unfin
 }
 
 /// A picture of each scene, whatever becomes of the others; throws at the end when one has none.
-void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<Stage>& stage, int threads,
-                  ProgressLine& progress, Dataset* dataset) {
+void render_batch(const RenderOptions& o, Run& run, int threads, ProgressLine& progress, Dataset* dataset) {
   const fs::path folder = o.outputs[0];
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (code) throw Error("cannot be made: " + code.message(), folder.string());
+  check_writable(folder / "NAME.png");
   // The picture of one scene must not be a texture of the next.
-  add_scene_files(o.scenes, o.shot.load.root, inputs);
-  const std::vector<fs::path> outputs = batch_outputs(o.stems, folder, inputs);
+  add_scene_files(o.scenes, o.shot.load.root, run.inputs);
+  const std::vector<fs::path> outputs = batch_outputs(o.stems, folder, run.inputs);
   std::size_t failed = 0, done = 0;
   bool is_last_unfinished = false;
   const PictureRange asked = o.pictures.value_or(PictureRange{1, o.scenes.size()});
@@ -274,14 +283,18 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
   for (std::size_t i = asked.first - 1; i < asked.last && !Interrupt::requested(); ++i) {
     RenderOptions one = o;
     one.shot.scene = o.scenes[i];
-    one.outputs = {
-        dataset != nullptr
-            ? dataset->pattern(i, o.scenes.size(), outputs[i].stem().string(), o.shot.has_many_pictures()).string()
-            : batch_pattern(o, outputs[i])};
+    if (dataset != nullptr) {
+      const bool has_many = o.shot.has_many_pictures();
+      const std::string stem = without_placeholders(outputs[i].stem().string());
+      one.outputs = {
+          dataset->pattern(i, o.scenes.size(), has_many ? literal_in_pattern(stem) : stem, has_many).string()};
+    } else {
+      one.outputs = {batch_pattern(o, outputs[i])};
+    }
     try {
       const std::string prefix = fmt::format("scene {} of {}, ", i + 1, o.scenes.size());
-      const TakeResult result = render_scene(one, inputs, stage, threads, progress, {dataset, i}, prefix,
-                                             parts.part(i + 1 - asked.first, prefix));
+      const TakeResult result =
+          render_scene(one, run, threads, progress, {dataset, i}, prefix, parts.part(i + 1 - asked.first, prefix));
       done += result.done;
       is_last_unfinished = result.is_last_unfinished;
     } catch (const Error& error) {
@@ -295,27 +308,30 @@ void render_batch(const RenderOptions& o, Inputs inputs, const std::shared_ptr<S
   if (failed > 0) throw Error(fmt::format("{} of {} scenes have no picture", failed, asked.count()), folder.string());
 }
 
-void render_all(const RenderOptions& o, const std::shared_ptr<Stage>& stage, int threads, ProgressLine& progress,
-                Dataset* dataset) {
-  if (o.is_batch) return render_batch(o, inputs_of_options(o), stage, threads, progress, dataset);
-  const TakeResult result = render_scene(o, inputs_of_options(o), stage, threads, progress, {dataset, 0});
-  if (o.shot.has_many_pictures() && result.interrupted) {
-    report_interruption(result.done, result.asked, result.is_last_unfinished);
-  }
+void render_all(const RenderOptions& o, Run& run, int threads, ProgressLine& progress, Dataset* dataset) {
+  run.inputs.add(inputs_of_options(o));
+  if (o.is_batch) return render_batch(o, run, threads, progress, dataset);
+  const TakeResult result = render_scene(o, run, threads, progress, {dataset, 0});
+  if (!o.shot.has_many_pictures() || !result.interrupted) return;
+  const bool is_in_film_alone =
+      std::all_of(o.outputs.begin(), o.outputs.end(), [&](const std::string& output) { return is_film(o, output); });
+  const bool is_last_kept = !is_in_film_alone || result.done == 1;  // as in add_to_films()
+  if (result.is_last_unfinished && !is_last_kept) return report_interruption(result.done - 1, result.asked, false);
+  report_interruption(result.done, result.asked, result.is_last_unfinished);
 }
 
-void run_render(const RenderOptions& o, const std::shared_ptr<Stage>& stage) {
+void run_render(const RenderOptions& o, Run& run) {
   ProgressLine progress(o.quiet);
   check_memory(o);
   const Threads threads(o.threads);
   const bool is_set = o.shot.has_many_pictures() || o.scenes.size() > 1;
   std::optional<Interrupt> between;
   if (is_set) between.emplace();
-  if (!o.dataset) return render_all(o, stage, threads.threads(), progress, nullptr);
+  if (!o.dataset) return render_all(o, run, threads.threads(), progress, nullptr);
   Diagnostics diagnostics;
   Dataset dataset(*o.dataset, o.dataset_folder, *o.instances, &diagnostics);
   try {
-    render_all(o, stage, threads.threads(), progress, &dataset);
+    render_all(o, run, threads.threads(), progress, &dataset);
   } catch (...) {
     dataset.finish();  // of the pictures that are there
     throw;
@@ -324,17 +340,45 @@ void run_render(const RenderOptions& o, const std::shared_ptr<Stage>& stage) {
   report_warnings(o, diagnostics, 0, progress);
 }
 
+/// What the lines of a list read, as far as they can be understood before their turn.
+Inputs inputs_of_jobs(const std::string& list) {
+  Inputs inputs;
+  std::set<std::pair<std::string, fs::path>> seen;
+  std::ifstream lines(list);
+  for (std::string line; !Interrupt::requested() && std::getline(lines, line);) {
+    try {
+      const std::vector<std::string> words = without_verb(words_of(line));
+      if (words.empty()) continue;
+      const RenderOptions o = parse_job(words, list);
+      inputs.add(inputs_of_options(o));
+      for (const std::string& scene : o.scenes) {
+        if (seen.emplace(scene, o.shot.load.root).second) add_scene_files({scene}, o.shot.load.root, inputs);
+      }
+    } catch (const std::exception&) {
+      // Told when it is its turn.
+    }
+  }
+  return inputs;
+}
+
 /// Each line is a command line of its own; what they load is shared.
 void render_jobs(const RenderOptions& given) {
   constexpr std::size_t kModels = 4;  // lists often come back to one; more would fill the memory
-  const auto stage = std::make_shared<Stage>();
-  stage->scenes().set_capacity(kModels);
+  Run run;
+  run.stage->scenes().set_capacity(kModels);
   ProgressLine progress(given.quiet);
   const Interrupt interrupt;
-  const auto run = [&](const std::vector<std::string>& words) {
-    run_render(parse_job(words, given.jobs, given.quiet), stage);
+  // The picture of one job must not be a texture of the next. What is not there yet, an earlier one may make for it.
+  std::error_code ignored;
+  const bool can_be_read_twice = given.jobs != "-" && fs::is_regular_file(given.jobs, ignored);
+  if (can_be_read_twice) run.inputs.add_existing(inputs_of_jobs(given.jobs));
+  const auto render = [&](const std::vector<std::string>& words) {
+    run.written.clear();
+    run_render(parse_job(words, given.jobs, given.quiet), run);
+    // Of a job that failed the next one may be another attempt.
+    for (const fs::path& file : run.written) run.inputs.add_written(file, "written by an earlier job");
   };
-  run_jobs(given.jobs, run, progress);
+  run_jobs(given.jobs, render, progress);
 }
 
 }  // namespace
@@ -345,7 +389,8 @@ Verb add_render(Command& command) {
   return [options, &command] {
     if (options->jobs.empty()) {
       finish_options(command, *options);
-      return run_render(*options, std::make_shared<Stage>());
+      Run run;
+      return run_render(*options, run);
     }
     for (const std::string& name : command.given()) {
       const bool counts = name == "--jobs" || name == "--quiet";

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "candela/cache.h"
 #include "cli/camera_options.h"
 #include "cli/films.h"
@@ -296,7 +297,8 @@ void check_pictures(RenderOptions& o) {
   if (!o.is_batch && !is_set) throw UsageError("--pictures: there is only one");
   if (!o.is_batch) o.shot.pictures = o.pictures;
   if (o.is_batch && o.pictures->last > o.scenes.size()) {
-    throw Error(fmt::format("there are {} scenes", o.scenes.size()), "--pictures");
+    throw Error(o.scenes.size() == 1 ? "there is one scene" : fmt::format("there are {} scenes", o.scenes.size()),
+                "--pictures");
   }
   for (const std::string& output : o.outputs) {
     if (is_film(o, output)) throw UsageError("--pictures: a film has all of them: " + output);
@@ -470,8 +472,9 @@ void check_engine(const Command& command, const RenderOptions& o) {
 }  // namespace
 
 std::string default_pattern(const Shot& shot, const std::string& stem) {
-  if (!shot.has_many_pictures()) return stem + ".png";
-  std::string pattern = literal_in_pattern(stem);
+  const std::string name = without_placeholders(stem);
+  if (!shot.has_many_pictures()) return name + ".png";
+  std::string pattern = literal_in_pattern(name);
   if (shot.variants) pattern += "-{variant}";
   if (shot.animations) pattern += "-{animation}";
   if (!shot.views.empty()) pattern += "-{view}";

@@ -6,11 +6,13 @@
 #include <array>
 #include <map>
 #include <set>
+#include <span>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "candela/viewpoint.h"
 #include "cli/films.h"
 #include "cli/output.h"
 
@@ -55,19 +57,58 @@ std::string file_part(const std::string& name) {
   return part.empty() ? "unnamed" : part;
 }
 
-std::string filled(std::string name, const Shot& shot, const PictureLabel& label) {
-  for (const Placeholder& placeholder : kPlaceholders) {
-    if (!is_varied(shot, placeholder)) continue;
-    const std::string part = file_part(label.*placeholder.part);
-    for (std::size_t i = name.find(placeholder.text); i != std::string::npos; i = name.find(placeholder.text, i)) {
-      name.replace(i, placeholder.text.size(), part);
-      i += part.size();
+const Placeholder* placeholder_at(const std::string& name, std::size_t i) {
+  const std::string_view rest = std::string_view(name).substr(i);
+  const auto found = std::find_if(kPlaceholders.begin(), kPlaceholders.end(),
+                                  [&](const Placeholder& placeholder) { return rest.starts_with(placeholder.text); });
+  return found == kPlaceholders.end() ? nullptr : &*found;
+}
+
+/// The placeholder that a name shows at `i` as it is: {{view} is {view}.
+const Placeholder* literal_at(const std::string& name, std::size_t i) {
+  return name[i] == '{' ? placeholder_at(name, i + 1) : nullptr;
+}
+
+bool has_placeholder(const std::string& name, const Placeholder& placeholder) {
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    if (literal_at(name, i) != nullptr) {
+      ++i;
+    } else if (placeholder_at(name, i) == &placeholder) {
+      return true;
     }
   }
-  return name;
+  return false;
+}
+
+std::string filled(const std::string& name, const Shot& shot, const PictureLabel& label) {
+  std::string text;
+  for (std::size_t i = 0; i < name.size();) {
+    if (const Placeholder* literal = literal_at(name, i)) {
+      text += literal->text;
+      i += 1 + literal->text.size();
+      continue;
+    }
+    const Placeholder* placeholder = placeholder_at(name, i);
+    if (placeholder != nullptr && is_varied(shot, *placeholder)) {
+      text += file_part(label.*placeholder->part);
+      i += placeholder->text.size();
+    } else {
+      text += name[i++];
+    }
+  }
+  return text;
 }
 
 }  // namespace
+
+std::string without_placeholders(const std::string& name) {
+  std::string text;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    if (placeholder_at(name, i) != nullptr) text += '{';
+    text += name[i];
+  }
+  return text;
+}
 
 PictureNames name_pictures(const RenderOptions& o, const std::vector<PictureLabel>& labels) {
   PictureNames names(labels.size());
@@ -86,16 +127,21 @@ PictureNames name_pictures(const RenderOptions& o, const std::vector<PictureLabe
 }
 
 std::vector<PictureLabel> labels_before_loading(const Shot& shot) {
-  const bool has_names =
-      shot.variants || shot.animations || shot.camera_sphere || !shot.cameras.empty() || !shot.views.empty();
-  if (has_names) return {};
-  return std::vector<PictureLabel>(static_cast<std::size_t>(shot.turntable.value_or(shot.sequence.value_or(1))));
+  if (shot.variants || shot.animations) return {};
+  std::vector<PictureLabel> labels;
+  for (int moment = 0; moment < shot.sequence.value_or(1); ++moment) {
+    for (const ViewpointName& name : viewpoint_names(shot)) {
+      const PictureLabel label{.variant = {}, .animation = {}, .view = name.view, .camera = name.camera};
+      labels.insert(labels.end(), static_cast<std::size_t>(shot.turntable.value_or(1)), label);
+    }
+  }
+  return labels;
 }
 
 bool shares_names(const RenderOptions& o, const std::string& output) {
   return o.shot.turntable || o.shot.sequence ||
          std::any_of(kPlaceholders.begin(), kPlaceholders.end(), [&](const Placeholder& placeholder) {
-           return is_varied_often(o.shot, placeholder) && output.find(placeholder.text) == std::string::npos;
+           return is_varied_often(o.shot, placeholder) && !has_placeholder(output, placeholder);
          });
 }
 
@@ -115,7 +161,7 @@ void check_film_name(const RenderOptions& o, const std::string& output) {
 void check_patterns(const RenderOptions& o) {
   for (const std::string& output : o.outputs) {
     for (const Placeholder& placeholder : kPlaceholders) {
-      const bool is_there = output.find(placeholder.text) != std::string::npos;
+      const bool is_there = has_placeholder(output, placeholder);
       if (is_there && !is_varied(o.shot, placeholder)) {
         throw UsageError(
             fmt::format("--output: {} has a {}, which only {} fills", output, placeholder.text, placeholder.option));
@@ -142,6 +188,27 @@ Inputs inputs_of_options(const RenderOptions& o) {
   return inputs;
 }
 
+namespace {
+
+/// Those that --pictures asks for.
+std::span<const std::vector<fs::path>> names_asked_for(const RenderOptions& o, const PictureNames& names) {
+  const std::span<const std::vector<fs::path>> all = names;
+  if (!o.shot.pictures || o.shot.pictures->last > all.size()) return all;
+  return all.subspan(o.shot.pictures->first - 1, o.shot.pictures->count());
+}
+
+}  // namespace
+
+std::vector<fs::path> written_files(const RenderOptions& o, const PictureNames& names) {
+  std::vector<fs::path> files;
+  for (const std::vector<fs::path>& of_picture : names_asked_for(o, names)) {
+    files.insert(files.end(), of_picture.begin(), of_picture.end());
+  }
+  if (o.stats && *o.stats != "-") files.push_back(*o.stats);
+  if (o.written_cameras) files.push_back(*o.written_cameras);
+  return files;
+}
+
 void check_overwriting(const RenderOptions& o, const PictureNames& names, const Inputs& inputs) {
   std::map<std::string, std::pair<fs::path, std::string>> seen;
   // All pictures of an output may go into one film.
@@ -152,7 +219,7 @@ void check_overwriting(const RenderOptions& o, const PictureNames& names, const 
     if (is_new || (!film.empty() && found->second == std::pair(path, film))) return;
     throw Error("would be written twice, also as " + found->second.first.string(), path.string());
   };
-  for (const std::vector<fs::path>& of_picture : names) {
+  for (const std::vector<fs::path>& of_picture : names_asked_for(o, names)) {
     for (std::size_t k = 0; k < of_picture.size(); ++k) {
       check(of_picture[k], is_film(o, o.outputs[k]) ? o.outputs[k] : "");
     }

@@ -16,7 +16,10 @@ namespace candela::cli {
 using PictureNames = std::vector<std::vector<std::filesystem::path>>;
 PictureNames name_pictures(const RenderOptions& options, const std::vector<PictureLabel>& labels);
 
-/// What is known of the labels before the file is open: all of them, or none.
+/// `name` with each {view} and the like so that it is one in the name of a picture: {{view}.
+std::string without_placeholders(const std::string& name);
+
+/// What is known of the labels before the file is open: all of them, or of its variants and animations none.
 std::vector<PictureLabel> labels_before_loading(const Shot& shot);
 
 /// Whether several pictures of a shot have the same name, but for its number.
@@ -34,6 +37,8 @@ void add_scene_files(const std::vector<std::string>& scenes, const std::filesyst
 void check_paths(const RenderOptions& options);
 /// Nothing that is read is written, and nothing is written twice. Throws Error.
 void check_overwriting(const RenderOptions& options, const PictureNames& names, const Inputs& inputs);
+/// What is there after a command: those of its pictures that were asked for, and what tells of them.
+std::vector<std::filesystem::path> written_files(const RenderOptions& options, const PictureNames& names);
 
 /// Where nobody gave a name: the first that is no input.
 void choose_default_name(RenderOptions& options, const std::vector<PictureLabel>& labels, const Inputs& inputs);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "candela/candela.h"
 #include "cli/json_text.h"
 #include "cli/output.h"
@@ -44,7 +45,8 @@ void warn_of_noise(const RenderOptions& o, const path::Statistics& s, Diagnostic
   const std::string why = s.interrupted ? "the interruption"
                           : s.timed_out
                               ? "--time"
-                              : fmt::format("the limit of {} samples per pixel (--spp)", o.shot.traced.samples);
+                              : fmt::format("the limit of {} per pixel (--spp)",
+                                            counted(static_cast<std::size_t>(o.shot.traced.samples), "sample"));
   const std::string worst =
       std::isfinite(s.noise->worst) ? fmt::format("{:.2g}", s.noise->worst) : std::string("unknown");
   const double percent = 100.0 * s.noise->share_above;

@@ -17,6 +17,10 @@ std::string lower_case(std::string text) {
 
 std::string lower_extension(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
 
+std::string counted(std::uint64_t count, std::string_view thing) {
+  return std::to_string(count) + ' ' + std::string(thing) + (count == 1 ? "" : "s");
+}
+
 namespace {
 
 /// Damerau 1964, "A technique for computer detection and correction of spelling errors": slips between two words, a

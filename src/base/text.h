@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -12,6 +13,9 @@ std::string lower_case(std::string text);
 
 /// What a file's name ends with, in small letters: ".gltf", or empty.
 std::string lower_extension(const std::filesystem::path& path);
+
+/// "1 texel", "2 texels".
+std::string counted(std::uint64_t count, std::string_view thing);
 
 /// The one of `names` that `text` is most likely a slip of: with the fewest letters inserted, left out, exchanged or
 /// swapped with their neighbour, at most one for each three letters; the first of equals, empty if there is none.

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "candela/bake.h"
 #include "candela/bake_gltf.h"
 #include "ibl/cube.h"
@@ -134,8 +135,8 @@ void write_bake_files(const fs::path& folder, BakeResult& result) {
       result.order.profile != nullptr ? write_for_engine(folder, result) : write_plain(folder, result);
   if (loss.clamped > 0) {
     result.warnings.push_back(
-        {fmt::format("{} texels above what the format holds were clamped, the brightest was {:.4g}", loss.clamped,
-                     loss.largest),
+        {fmt::format("{} above what the format holds {} clamped, the brightest was {:.4g}",
+                     counted(loss.clamped, "texel"), loss.clamped == 1 ? "was" : "were", loss.largest),
          ""});
   }
   if (result.suns) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "base/text.h"
 #include "image/lettering.h"
 
 namespace candela {
@@ -46,7 +47,7 @@ std::vector<Line> facts(const Preview& p) {
   lines.push_back({"size", fmt::format("{:#.3g} × {:#.3g} × {:#.3g} m", size.x, size.y, size.z)});
   lines.push_back({"triangles", grouped(p.verdict.triangle_count)});
   lines.push_back({"vertices", grouped(p.vertices)});
-  lines.push_back({"meshes", fmt::format("{} in {} node{}", p.meshes, p.nodes, p.nodes == 1 ? "" : "s")});
+  lines.push_back({"meshes", fmt::format("{} in {}", p.meshes, counted(p.nodes, "node"))});
   lines.push_back(
       {"images", p.images == 0 ? "none" : fmt::format("{}, {} decoded", p.images, megabytes(p.image_bytes))});
   if (p.cameras > 0) lines.push_back({"cameras", grouped(p.cameras)});
@@ -59,7 +60,7 @@ std::vector<Line> facts(const Preview& p) {
 }
 
 std::vector<Line> materials(const Preview& p) {
-  std::vector<Line> lines{{fmt::format("{} material{}", p.materials.size(), p.materials.size() == 1 ? "" : "s"), ""}};
+  std::vector<Line> lines{{counted(p.materials.size(), "material"), ""}};
   for (std::size_t i = 0; i < p.materials.size(); ++i) {
     const std::size_t left = p.materials.size() - i;
     if (lines.size() + 1 == kMostLines && left > 1) {
@@ -72,12 +73,9 @@ std::vector<Line> materials(const Preview& p) {
 }
 
 std::string counts(const Verdict& v) {
-  const auto plural = [](std::size_t n, const char* what) {
-    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
-  };
   using check::Severity;
-  return plural(v.count(Severity::error), "error") + ", " + plural(v.count(Severity::warning), "warning") + ", " +
-         plural(v.count(Severity::note), "note");
+  return counted(v.count(Severity::error), "error") + ", " + counted(v.count(Severity::warning), "warning") + ", " +
+         counted(v.count(Severity::note), "note");
 }
 
 std::string about(const NamedFinding& f) {

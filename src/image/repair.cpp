@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
+
 namespace candela {
 
 Repairs repair(Image& image) {
@@ -30,18 +32,16 @@ Repairs repair(Image& image) {
 }
 
 void tell_repairs(const Repairs& repairs, const std::string& where, std::vector<Diagnostic>& warnings) {
-  const auto at = [](ivec2 texel) { return fmt::format("{},{}", texel.x, texel.y); };
-  if (repairs.not_finite > 0) {
-    warnings.push_back({fmt::format("{} texels are not finite, the first at {}: infinity became the largest finite "
-                                    "value, NaN became 0",
-                                    repairs.not_finite, at(repairs.first_not_finite)),
+  const auto tell = [&](std::size_t count, const char* what, ivec2 first, const std::string& repair) {
+    if (count == 0) return;
+    warnings.push_back({fmt::format("{} {} {}, {}at {},{}: {}", counted(count, "texel"), count == 1 ? "is" : "are",
+                                    what, count == 1 ? "" : "the first ", first.x, first.y, repair),
                         where});
-  }
-  if (repairs.negative > 0) {
-    warnings.push_back({fmt::format("{} texels are negative, the first at {}: they became 0", repairs.negative,
-                                    at(repairs.first_negative)),
-                        where});
-  }
+  };
+  tell(repairs.not_finite, "not finite", repairs.first_not_finite,
+       "infinity became the largest finite value, NaN became 0");
+  tell(repairs.negative, "negative", repairs.first_negative,
+       (repairs.negative == 1 ? "it" : "they") + std::string(" became 0"));
 }
 
 }  // namespace candela

@@ -235,7 +235,7 @@ class Bake(CliTest):
         (self.folder / "odd.exr").write_bytes(exr(16, 8, lambda x, y: odd.get((x, y), 1.0)))
         done = self.succeeds("bake", "odd.exr", "-o", "out", "--json", *SMALL)
         self.assertRegex(done.err, "2 texels are not finite, the first at 3,2")
-        self.assertRegex(done.err, "1 texels are negative, the first at 1,5")
+        self.assertRegex(done.err, "1 texel is negative, at 1,5: it became 0")
         self.assertLess(json.loads(done.out)["energy"]["in"][0], 4 * 3.1416)
 
     def test_bad_input_leaves_nothing(self):

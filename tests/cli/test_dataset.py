@@ -183,7 +183,7 @@ class Dataset(CliTest):
         (self.folder / "set").mkdir()
         (self.folder / "set/a.glb").write_bytes(candela.triangle_glb())
         self.fails("render", "set/a.glb", "--size", "8x8", "--spp", "1", "--dataset", "masks", "-o", "set",
-                   says="lies in the folder of the data set")  # fmt: skip
+                   says="lies in the output folder")  # fmt: skip
 
 
 class Layers(CliTest):

@@ -161,6 +161,23 @@ class Models(CliTest):
         (self.folder / "a.gltf").write_text(json.dumps(scene))
         self.fails("diff", "a.gltf", "a.gltf", *SMALL, "--views", "front", "-o", "map.png", says="map.png.*would be overwritten")
 
+    def test_no_map_of_a_set_overwrites_what_is_compared(self):
+        scene = json.loads(candela.variants_gltf())
+        scene["images"] = [{"uri": "map-back.png"}, {"uri": "map-001.png"}, {"uri": "map-p-front.png"}]
+        (self.folder / "a.gltf").write_text(json.dumps(scene))
+        self.model("b.glb")
+        self.succeeds("render", "b.glb", *SMALL, "--views", "front", "--write-cameras", "transforms.json", "-o", "p-{view}.png")
+        for models in (("a.gltf", "b.glb"), ("b.glb", "a.gltf")):
+            for views, pattern, says in (
+                (("--views", "front,back"), "map-{view}.png", "map-back.png: is an input and would be overwritten: read by a.gltf"),
+                (("--views", "back"), "map-{view}.png", "map-back.png: is an input"),
+                ((), "map-{view}.png", "map-back.png: is an input"),
+                (("--cameras", "sphere:3"), "map-{camera}.png", "map-001.png: is an input"),
+                (("--cameras", "transforms.json"), "map-{camera}.png", "map-p-front.png: is an input"),
+            ):
+                with self.subTest(models=models, views=views):
+                    self.fails("diff", *models, *SMALL, *views, "-o", pattern, says=says)
+
     def test_wrong_usage(self):
         model, picture = ("demo:spheres", "demo:spheres"), ("a.png", "b.png")
         self.refuses("diff", *model, "-o", "map.png", says="map.png has no place.*NAME-{view}.png")

@@ -290,6 +290,34 @@ class Info(CliTest):
         self.assertIn("#/images/0", info["images"][0]["error"])
         self.assertRegex(info["warnings"][-1], "#/images/0: .*shown without it")
 
+    def test_an_image_that_cannot_be_read_says_why(self):
+        head = b"IHDR" + struct.pack(">IIBBBBB", 1 << 20, 1 << 20, 8, 6, 0, 0, 0)
+        wide = b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + head + struct.pack(">I", zlib.crc32(head))
+        wide += struct.pack(">I4sI", 0, b"IDAT", zlib.crc32(b"IDAT"))
+        for name, content, says in (
+            ("absent.png", None, r"0 absent\.png: cannot be read: a\.gltf#/images/0/uri: 'absent\.png': no such file"),
+            ("words.png", b"no picture", r"0 words\.png: .*cannot be read: .*words\.png"),
+            ("cut.png", wide[:20], r"0 cut\.png: PNG \(20 B\), cannot be read: .*cut\.png"),
+            ("wide.png", wide, r"0 wide\.png: PNG \(\d+ B\), cannot be read: .*wide\.png.*large"),
+        ):
+            with self.subTest(name=name):
+                if content is not None:
+                    (self.folder / name).write_bytes(content)
+                scene = {
+                    "asset": {"version": "2.0"},
+                    "scenes": [{"nodes": [0]}],
+                    "nodes": [{"mesh": 0}],
+                    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+                    "materials": [{"emissiveTexture": {"index": 0}}],
+                    "textures": [{"source": 0}],
+                    "images": [{"uri": name}],
+                    "accessors": [{"count": 3, "componentType": 5126, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]}],
+                }
+                (self.folder / "a.gltf").write_text(json.dumps(scene))
+                told = self.succeeds("info", "a.gltf").out
+                self.assertRegex(told, says)
+                self.assertNotIn("(0 B)", told)
+
     def test_damage_is_an_error_whatever_the_file_requires(self):
         scene = {"asset": {"version": "2.0"}, "extensionsUsed": [], "scenes": [{"nodes": [7]}]}
         (self.folder / "a.gltf").write_text(json.dumps(scene))

@@ -34,6 +34,12 @@ class Folders(CliTest):
         self.fails(*SPHERES, *TINY, "-o", "file/a.png", says="is not a folder")
         self.fails(*SPHERES, *TINY, "-o", "file/b/a.png", says="is not a folder")
         self.fails(*SPHERES, *TINY, "-o", "/proc/nowhere/a.png", says="/proc/nowhere/a.png: ")
+        self.fails("render", "absent.glb", "-o", "folder/", says="absent.glb")
+        self.fails(*SPHERES, *TINY, "-o", "file/b/", says="is not a folder")
+
+    def test_no_folder_is_made_that_no_picture_lies_in(self):
+        self.succeeds(*SPHERES, *TINY, "-o", "o{view}/", "--views", "front,left")
+        self.assertEqual(self.files(), ["ofront", "oleft"])
 
 
 class Pictures(CliTest):

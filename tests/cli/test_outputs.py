@@ -7,6 +7,7 @@ import os
 import pathlib
 import shutil
 import struct
+import subprocess
 import tempfile
 import zlib
 
@@ -226,6 +227,30 @@ class Overwriting(CliTest):
             self.assertEqual(result.code, 0, result.err)
             self.assertTrue((self.folder / name).is_file(), name)
 
+    def test_braces_of_a_scenes_name_are_braces(self):
+        views = ("--views", "front,left")
+        for name in ("b{view}", "{{camera}", "{variant}-{view}"):
+            (self.folder / f"{name}.glb").write_bytes(triangle_glb())
+            for arguments, made in (
+                ((), f"{name}.png"),
+                (("--views", "front"), f"{name}.png"),
+                (views, f"{name}-left.png"),
+                ((*views, "-o", "out/"), f"out/{name}-left.png"),
+                (("demo:spheres", *views, "-o", "set/", "--dataset", "masks"), f"set/{name}-000001.png"),
+                (("--turntable", "2"), f"{name}-001.png"),
+            ):
+                with self.subTest(name=name, arguments=arguments):
+                    result = self.render(f"{name}.glb", *arguments)
+                    self.assertEqual(result.code, 0, result.err)
+                    self.assertTrue((self.folder / made).is_file(), sorted(self.folder.rglob("*.png")))
+                    shutil.rmtree(self.folder / "set", ignore_errors=True)
+        # A name that is given says it with two of them.
+        result = self.render("demo:spheres", *views, "-o", "a{{view}-{view}.png")
+        self.assertEqual(result.code, 0, result.err)
+        self.assertTrue((self.folder / "a{view}-left.png").is_file())
+        result = self.render("demo:spheres", *views, "-o", "a{{view}.png")
+        self.assertEqual(result.code, 2, result.err)
+
     def test_scenes_of_one_name_have_pictures_of_their_own(self):
         colors = {"a/foo.glb": (1, 0, 0), "b/foo.glb": (0, 1, 0), "foo-2.glb": (0, 0, 1), "c/FOO.glb": (1, 1, 0)}
         for name, color in colors.items():
@@ -252,6 +277,118 @@ class Overwriting(CliTest):
         result = self.render("a.glb", "b.gltf", "-o", ".")
         self.assertEqual(result.code, 0, result.err)
         self.assert_only_added(before, "a-2.png", "b.png")
+
+
+class Lists(CliTest):
+    """Several commands in one run: what one of them reads or has written is safe from the others."""
+
+    OTHER = " ".join(SMALLEST)
+
+    def setUp(self):
+        super().setUp()
+        (self.folder / "a.glb").write_bytes(triangle_glb())
+        (self.folder / "shoe.gltf").write_text(gltf("shoe.bin", "shoe.png"))
+        (self.folder / "shoe.bin").write_bytes(positions())
+        (self.folder / "shoe.png").write_bytes(png(200, 60, 20))
+        (self.folder / "sky.hdr").write_bytes(hdr(4, 2, lambda x, y: (128, 128, 128, 128)))
+
+    def snapshot(self):
+        return {p.relative_to(self.folder): p.read_bytes() for p in self.folder.rglob("*") if p.is_file()}
+
+    def added(self, before):
+        after = self.snapshot()
+        self.assertEqual({k: after[k] for k in before}, before, "a file changed")
+        return {str(k) for k in after.keys() - before.keys()}
+
+    def jobs(self, *lines, is_piped=False):
+        text = "".join(f"{line} {self.OTHER}\n" for line in lines)
+        if is_piped:
+            return subprocess.run([candela.PROGRAM, "render", "--jobs", "-", "-q"], cwd=self.folder, input=text, text=True,
+                                  capture_output=True, timeout=120, check=False)  # fmt: skip
+        (self.elsewhere() / "jobs.txt").write_text(text)
+        return self.run_candela("render", "--jobs", self.elsewhere() / "jobs.txt", "-q")
+
+    def elsewhere(self):
+        if not hasattr(self, "other_folder"):
+            self.other_folder = pathlib.Path(tempfile.mkdtemp(prefix="candela-cli-"))
+            self.addCleanup(shutil.rmtree, self.other_folder)
+        return self.other_folder
+
+    def test_no_job_overwrites_what_a_later_one_reads(self):
+        os.link(self.folder / "shoe.png", self.folder / "hard.png")
+        (self.folder / "cameras.json").write_text("{}")
+        for line, later, says in (
+            ("a.glb -o shoe.png", "shoe.gltf -o b.png", r"shoe\.png: is an input.*shoe\.gltf#/images/0/uri"),
+            ("a.glb -o hard.png", "shoe.gltf -o b.png", "hard.png: is an input"),
+            ("a.glb -o sky.hdr", "a.glb --env sky.hdr -o b.png", "sky.hdr: is an input.*the environment"),
+            ("a.glb -o c.png --stats shoe.gltf", "shoe.gltf -o b.png", "shoe.gltf: is an input"),
+            ("a.glb --views top -o sky.hdr", "shoe.gltf a.glb --env sky.hdr -o b/", "sky.hdr: is an input"),
+        ):
+            with self.subTest(line=line):
+                before = self.snapshot()
+                result = self.jobs(line, later)
+                self.assertEqual(result.code, 1, result.err)
+                self.assertRegex(result.err, "^failed: .*jobs.txt:1: .*" + says)
+                self.assertIn("1 of 2 jobs failed", result.err)
+                made = self.added(before)
+                self.assertEqual(len(made), later.count(".gltf") + later.count(".glb"), made)
+                for name in made:
+                    (self.folder / name).unlink()
+
+    def test_no_job_overwrites_what_an_earlier_one_read_or_wrote(self):
+        for first, second, says in (
+            ("shoe.gltf -o b.png", "a.glb -o shoe.png", "shoe.png: is an input"),
+            ("a.glb --env sky.hdr -o b.png", "a.glb -o sky.hdr", "sky.hdr: is an input"),
+            ("a.glb -o b.png", "shoe.gltf -o ./b.png", "b.png: would be overwritten: written by an earlier job"),
+            ("a.glb -o b.png --stats b.json", "a.glb -o c.png --write-cameras b.json", "b.json: would be overwritten"),
+            ("a.glb --views front,top -o b-{view}.png", "a.glb -o b-top.png", "b-top.png: would be overwritten"),
+            ("a.glb --dataset masks -o b", "shoe.gltf --dataset masks -o b", "000000.png: would be overwritten: written by"),
+            ("a.glb -o b/one.png", "shoe.gltf --dataset coco -o b", "one.png: lies in the output folder.*written by an earlier job"),
+        ):
+            for is_piped in (False, True):
+                with self.subTest(second=second, is_piped=is_piped):
+                    before = self.snapshot()
+                    result = self.jobs(first, second, is_piped=is_piped)
+                    code, told = (result.returncode, result.stderr) if is_piped else (result.code, result.err)
+                    self.assertEqual(code, 1, told)
+                    self.assertRegex(told, ":2: .*" + says)
+                    self.assertIn("1 of 2 jobs failed", told)
+                    for name in self.added(before):
+                        (self.folder / name).unlink()
+
+    def test_names_that_nobody_gave_differ(self):
+        before = self.snapshot()
+        result = self.jobs("a.glb", "a.glb --views top", "demo:spheres a.glb -o .", "shoe.gltf")
+        self.assertEqual(result.code, 0, result.err)
+        self.assertEqual(self.added(before), {"a.png", "a-2.png", "spheres.png", "a-3.png", "shoe-2.png"})
+
+    def test_a_job_may_read_what_an_earlier_one_makes(self):
+        (self.folder / "late.gltf").write_text(gltf("shoe.bin", "late.png"))
+        result = self.jobs("a.glb --views front,top -o p-{view}.png --write-cameras transforms.json",
+                           "shoe.gltf --cameras transforms.json -o q-{camera}.png", "a.glb -o late.png", "late.gltf -o r.png")  # fmt: skip
+        self.assertEqual((result.code, result.err), (0, ""))
+        self.assertTrue((self.folder / "q-p-top.png").is_file())
+        self.assertTrue((self.folder / "r.png").is_file())
+
+    def test_a_job_that_failed_may_be_tried_again_and_a_set_be_divided(self):
+        result = self.jobs("a.glb -o b.jpg --background transparent --strict", "a.glb -o b.jpg", "a.glb --turntable 4 -o c%d.png --pictures 1-2",
+                           "a.glb --turntable 4 -o c%d.png --pictures 3-4")  # fmt: skip
+        self.assertIn("1 of 4 jobs failed", result.err)
+        self.assertEqual({"b.jpg", *(f"c{i}.png" for i in range(4))} - set(self.files()), set())
+
+    def test_no_command_of_a_plan_writes_what_another_reads_or_writes(self):
+        for first, second, says in (
+            ("a.glb -o shoe.png", "shoe.gltf -o b.png", "shoe.png: is an input"),
+            ("shoe.gltf -o b.png", "a.glb -o shoe.png", "shoe.png: is an input"),
+            ("a.glb -o sky.hdr", "a.glb --env sky.hdr -o b.png", "sky.hdr: is an input"),
+            ("a.glb -o b.png", "shoe.gltf -o ./b.png", "b.png: would be overwritten: written by another command"),
+            ("a.glb demo:spheres -o b/", "shoe.gltf -o b/a.png", "a.png: would be overwritten"),
+            ("a.glb -o b.png", "shoe.gltf --spp 64 -o b.exr", r"b-1of\d\.part: would be overwritten"),
+        ):
+            (self.elsewhere() / "list.txt").write_text(f"{first} --size 8x8 --spp 64\n{second} --size 8x8\n")
+            for commands in ((self.elsewhere() / "list.txt",), (first + " --size 8x8 --spp 64", second + " --size 8x8")):
+                with self.subTest(second=second, commands=commands):
+                    self.fails("plan", "-o", "work.txt", "--picture-time", "1h", "-q", *commands, says=says)
 
 
 class Bakes(CliTest):

@@ -121,11 +121,14 @@ class Plan(CliTest):
     def test_jobs_come_as_words_as_one_and_as_a_list(self):
         job = "demo:spheres --turntable 4 -o a-%03d.png"
         (self.folder / "list.txt").write_text(f"# two\ncandela render {job}\n\n{job.replace('a-', 'b-')}\n")
-        for words, count in (([job], 2), (["--", "candela", "render", *job.split()], 2), (["list.txt"], 4)):
+        two = [job, "candela render " + job.replace("a-", "c-")]
+        for words, count in (([job], 2), (["--", "candela", "render", *job.split()], 2), (["list.txt"], 4), (two, 4)):
             self.succeeds("plan", "-o", "work.txt", "--picture-time", "100s", *words)
             self.assertEqual(len(self.lines("work.txt")), count, words)
             self.assertTrue(self.lines("work.txt")[0].startswith(f"cd {self.folder} && candela render demo:spheres --turntable 4"))
         self.succeeds("plan", "-o", "work.txt", "--picture-time", "1s", "--folder", "", job)
+        self.assertEqual(self.lines("work.txt"), [f"candela render {job} --pictures 1-4"])
+        self.succeeds("plan", "-o", "work.txt", "--picture-time", "1s", "--folder", "", job + " " * 300)  # no file has such a name
         self.assertEqual(self.lines("work.txt"), [f"candela render {job} --pictures 1-4"])
         self.succeeds("plan", "-o", "work.txt", "--picture-time", "1s", "--folder", "/farm/a b", "demo:spheres")
         self.assertEqual(self.lines("work.txt"), ["cd '/farm/a b' && candela render demo:spheres"])

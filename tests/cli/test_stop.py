@@ -104,6 +104,17 @@ class Path(StopTest, CliTest):
                 png_pixels(self.folder / "0.png")
                 self.assertTrue(json.loads((self.folder / "s.json").read_text())["interrupted"])
 
+    def test_a_film_counts_the_pictures_that_it_holds(self):
+        # It is stopped in the middle of the second.
+        for outputs, counted in ((("-o", "a.webp"), "interrupted: 1 of 3 pictures are there$"),
+                                 (("-o", "a.webp", "-o", "%d.png"), "interrupted: 2 of 3 pictures are there, the last one unfinished")):  # fmt: skip
+            with self.subTest(outputs=outputs):
+                done = self.stopped("render", "demo:spheres", "--size", "32x24", "--time", "4s", "--turntable", "3", *outputs,
+                                    "--threads", "2", after=6)  # fmt: skip
+                self.assertEqual(done.code, INTERRUPTED, done.err)
+                self.assertRegex(done.err, r"(?m)^a\.webp: 1 picture of 32x24")
+                self.assertRegex(done.err, "(?m)" + counted)
+
     def test_a_batch_is_not_done_when_it_is_stopped(self):
         done = self.stopped("render", "demo:spheres", "demo:cornell", "-o", "out/", "--size", "32x24",
                             "--spp", "100000", "--threads", "2", after=1)  # fmt: skip

@@ -27,6 +27,12 @@ TEST(unit_base_text, nothing_is_near_what_means_nothing) {
   EXPECT_EQ(did_you_mean("inof", kNames), ": did you mean info?");
 }
 
+TEST(unit_base_text, one_thing_is_counted_as_one) {
+  EXPECT_EQ(counted(0, "texel"), "0 texels");
+  EXPECT_EQ(counted(1, "texel"), "1 texel");
+  EXPECT_EQ(counted(21, "texel"), "21 texels");
+}
+
 TEST(unit_base_text, a_decimal_has_the_digits_that_the_float_needs) {
   EXPECT_EQ(decimal_of(0.1f), 0.1);
   EXPECT_EQ(decimal_of(-1.0e-10f), -1.0e-10);
