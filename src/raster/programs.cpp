@@ -119,7 +119,8 @@ std::string mesh_preamble(const MaterialKey& key, const PassKey& pass, const sha
     add(pass.blend_part == BlendPart::opaque, "OPAQUE_PART");
     add(pass.blend_part == BlendPart::rest, "BLENDED_PART");
   }
-  add(pass.has_lights, "HAS_LIGHTS");
+  add(pass.has_lights || pass.has_areas, "HAS_LIGHTS");
+  add(pass.has_lights, "HAS_PUNCTUAL");
   add(pass.has_far_light, "HAS_FAR_LIGHT");
   add(pass.has_sheen_light, "HAS_SHEEN_LIGHT");
   add(pass.has_opaque_picture, "HAS_OPAQUE_PICTURE");

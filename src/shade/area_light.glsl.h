@@ -27,28 +27,28 @@ SHADE_FN float area_edge(vec3 a, vec3 b) {
   return sine < 1e-7f ? 0.0f : n.z / sine * atan(sine, dot(u, v));
 }
 
-/// An edge as far as it is above z = 0; where it crosses, the crossing becomes `down` or `up`.
-SHADE_FN float area_edge_above(vec3 a, vec3 b, SHADE_INOUT(vec3) down, SHADE_INOUT(vec3) up) {
-  if (a.z <= 0.0f && b.z <= 0.0f) return 0.0f;
-  if (a.z > 0.0f && b.z > 0.0f) return area_edge(a, b);
-  vec3 crossing = a + (b - a) * (a.z / (a.z - b.z));
-  if (a.z > 0.0f) {
-    down = crossing;
-    return area_edge(a, crossing);
-  }
-  up = crossing;
-  return area_edge(crossing, b);
-}
-
 /// The share of a clamped cosine about z that falls on the quadrilateral a b c d, seen from the origin, of either
 /// winding; a triangle repeats a corner. In [0, 1].
 SHADE_FN float area_share(vec3 a, vec3 b, vec3 c, vec3 d) {
   vec3 down = vec3(0.0f);
   vec3 up = vec3(0.0f);
-  float sum = area_edge_above(a, b, down, up) + area_edge_above(b, c, down, up) + area_edge_above(c, d, down, up) +
-              area_edge_above(d, a, down, up);
-  // Along the horizon, from where the polygon sinks to where it rises.
-  if (dot(down, down) > 0.0f && dot(up, up) > 0.0f) sum += area_edge(down, up);
+  float sum = 0.0f;
+  // Each edge as far as it is above z = 0, and then along the horizon, from where the polygon sinks to where it rises.
+  for (int i = 0; i < SHADE_TIMES(5); ++i) {
+    vec3 from = i == 0 ? a : i == 1 ? b : i == 2 ? c : i == 3 ? d : down;
+    vec3 to = i == 0 ? b : i == 1 ? c : i == 2 ? d : i == 3 ? a : up;
+    bool is_closed = i == 4;
+    if (is_closed ? dot(down, down) <= 0.0f || dot(up, up) <= 0.0f : from.z <= 0.0f && to.z <= 0.0f) continue;
+    if (!is_closed && (from.z <= 0.0f || to.z <= 0.0f)) {
+      vec3 crossing = from + (to - from) * (from.z / (from.z - to.z));
+      if (from.z > 0.0f) {
+        to = down = crossing;
+      } else {
+        from = up = crossing;
+      }
+    }
+    sum += area_edge(from, to);
+  }
   return min(abs(sum) * (0.5f / kShadePi), 1.0f);
 }
 

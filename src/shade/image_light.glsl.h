@@ -21,7 +21,7 @@ SHADE_FN SurfaceShares surface_shares(SHADE_IN(Surface) s, vec3 wo) {
   float f0 = shade_max3(s.weight_dielectric * s.f0_dielectric + s.weight_metal * s.f0_metal);
   r.rise = base_share_of_rise(f0 * (1.0f - s.escape_o), shade_max3(s.single_albedo_o));
   r.coat_rise = 0.0f;
-  if (s.lobes != 0) layers_shares(s, wo, r);
+  if (SHADE_LOBES(s) != 0) layers_shares(s, wo, r);
   return r;
 }
 

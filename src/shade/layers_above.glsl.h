@@ -29,7 +29,7 @@ SHADE_FN LayersAt layers_at_cosines(SHADE_IN(Surface) s, vec2 coat_ab, float she
 }
 
 SHADE_APART SHADE_FN LayersAt layers_at(SHADE_IN(Surface) s, vec3 w) {
-  vec2 coat_ab = (s.lobes & kLobeClearcoat) != 0 ? coat_ggx(s, w) : vec2(0.0f);
+  vec2 coat_ab = (SHADE_LOBES(s) & kLobeClearcoat) != 0 ? coat_ggx(s, w) : vec2(0.0f);
   return layers_at_cosines(s, coat_ab, sheen_cosine(s, w), abs(w.z), anisotropy_roughness_along(s, w));
 }
 
@@ -93,7 +93,7 @@ SHADE_FN float layers_transmission_mean(SHADE_IN(Surface) s) {
     float weight = i == 0 || i == 4 ? 0.1184634425f : i == 2 ? 0.2844444444f : 0.2393143352f;
     float mu = t * t;
     vec2 ab = table_ggx_curve(mu, s.row, s.curve);
-    vec2 coat_ab = (s.lobes & kLobeClearcoat) != 0 ? table_ggx_curve(mu, s.coat_row, s.coat_curve) : vec2(0.0f);
+    vec2 coat_ab = (SHADE_LOBES(s) & kLobeClearcoat) != 0 ? table_ggx_curve(mu, s.coat_row, s.coat_curve) : vec2(0.0f);
     LayersAt at = layers_at_cosines(s, coat_ab, mu, mu, s.roughness);
     sum += weight * 4.0f * t * mu * layers_transmission(s, at, ab, mu, s.row);
   }

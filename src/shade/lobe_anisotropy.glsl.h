@@ -11,7 +11,7 @@ SHADE_BEGIN
 SHADE_FN void anisotropy_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   s.alpha_x = s.alpha;
   s.alpha_y = s.alpha;
-  if ((p.lobes & kLobeAnisotropy) == 0 || p.anisotropy <= 0.0f) return;
+  if ((SHADE_LOBES(p) & kLobeAnisotropy) == 0 || p.anisotropy <= 0.0f) return;
   s.alpha_x = max(mix(s.alpha, 1.0f, shade_sqr(p.anisotropy)), kGgxMirrorAlpha);
   s.alpha_y = max(s.alpha, kGgxMirrorAlpha);
   s.alpha = s.alpha_y;  // no mirror, for terms that know one width only
@@ -35,13 +35,13 @@ SHADE_FN float anisotropy_roughness_at(SHADE_IN(Surface) s, float cos2) {
 }
 
 SHADE_FN float anisotropy_roughness_along(SHADE_IN(Surface) s, vec3 w) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return s.roughness;
+  if ((SHADE_LOBES(s) & kLobeAnisotropy) == 0) return s.roughness;
   return streak_roughness_along(vec2(s.alpha_x, s.alpha_y), w);
 }
 
 /// And its row in the tables of GGX.
 SHADE_FN TableCell anisotropy_row_along(SHADE_IN(Surface) s, vec3 w) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return s.row;
+  if ((SHADE_LOBES(s) & kLobeAnisotropy) == 0) return s.row;
   return table_ggx_roughness(anisotropy_roughness_along(s, w));
 }
 
@@ -83,12 +83,12 @@ SHADE_FN vec2 streak_ggx_mean(vec2 alpha, TableCell curve) {
 
 /// Split-sum terms of the base's facets.
 SHADE_FN vec2 anisotropy_ggx(SHADE_IN(Surface) s, vec3 w, TableCell curve) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_curve(abs(w.z), s.row, curve);
+  if ((SHADE_LOBES(s) & kLobeAnisotropy) == 0) return table_ggx_curve(abs(w.z), s.row, curve);
   return streak_ggx(vec2(s.alpha_x, s.alpha_y), w, curve);
 }
 
 SHADE_FN vec2 anisotropy_ggx_mean(SHADE_IN(Surface) s) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return table_ggx_curve_mean(s.row, s.curve);
+  if ((SHADE_LOBES(s) & kLobeAnisotropy) == 0) return table_ggx_curve_mean(s.row, s.curve);
   return streak_ggx_mean(vec2(s.alpha_x, s.alpha_y), s.curve);
 }
 

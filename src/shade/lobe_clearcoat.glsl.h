@@ -37,14 +37,14 @@ SHADE_FN vec3 coat_from_local(SHADE_IN(Surface) s, vec3 w) {
 
 /// Its split-sum terms at w.
 SHADE_FN vec2 coat_ggx(SHADE_IN(Surface) s, vec3 w) {
-  if ((s.lobes & kLobeCoatAnisotropy) != 0) return streak_ggx(s.coat_widths, coat_to_local(s, w), s.coat_curve);
+  if ((SHADE_LOBES(s) & kLobeCoatAnisotropy) != 0) return streak_ggx(s.coat_widths, coat_to_local(s, w), s.coat_curve);
   return table_ggx_curve(coat_cosine(s, w), s.coat_row, s.coat_curve);
 }
 
 /// What single scattering between white facets loses at w. Of streaks as the table has it: 1 - A - B would leave three
 /// digits of what is little, and others for either direction.
 SHADE_APART SHADE_FN float coat_escape(SHADE_IN(Surface) s, vec3 w) {
-  if ((s.lobes & kLobeCoatAnisotropy) == 0) return base_escape(coat_ggx(s, w));
+  if ((SHADE_LOBES(s) & kLobeCoatAnisotropy) == 0) return base_escape(coat_ggx(s, w));
   vec3 l = coat_to_local(s, w);
   float along = streak_roughness_along(s.coat_widths, l);
   float e = table_anisotropic(abs(l.z), along, sqrt(s.coat_widths.x), sqrt(s.coat_widths.y)).x;
@@ -53,7 +53,7 @@ SHADE_APART SHADE_FN float coat_escape(SHADE_IN(Surface) s, vec3 w) {
 
 /// Their cosine-weighted means.
 SHADE_FN vec2 coat_ggx_mean(SHADE_IN(Surface) s) {
-  if ((s.lobes & kLobeCoatAnisotropy) != 0) return streak_ggx_mean(s.coat_widths, s.coat_curve);
+  if ((SHADE_LOBES(s) & kLobeCoatAnisotropy) != 0) return streak_ggx_mean(s.coat_widths, s.coat_curve);
   return table_ggx_curve_mean(s.coat_row, s.coat_curve);
 }
 
@@ -66,7 +66,7 @@ SHADE_FN float coat_albedo(SHADE_IN(Surface) s, vec2 ab) {
 /// the mean width.
 SHADE_FN void coat_prepare_anisotropy(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   s.coat_widths = vec2(s.coat_alpha);
-  if ((p.lobes & kLobeCoatAnisotropy) == 0) return;
+  if ((SHADE_LOBES(p) & kLobeCoatAnisotropy) == 0) return;
   vec3 t = p.clearcoat_direction - s.coat_normal * dot(s.coat_normal, p.clearcoat_direction);
   float t2 = dot(t, t);
   if (t2 > 1e-12f) s.coat_tangent = t * inversesqrt(t2);
@@ -163,7 +163,7 @@ SHADE_FN vec3 coat_filter_out(SHADE_IN(Surface) s) {
 /// Where its split-sum terms are `ab`, at a cosine to the normal of a base of this roughness.
 SHADE_FN LayerAt coat_at(SHADE_IN(Surface) s, vec2 ab, float mu, float roughness) {
   LayerAt at = layer_absent();
-  if ((s.lobes & kLobeClearcoat) == 0) return at;
+  if ((SHADE_LOBES(s) & kLobeClearcoat) == 0) return at;
   at.albedo = coat_albedo(s, ab);
   // How the base's lobe spreads is the base normal's matter; how much comes through, the coat's.
   at.over = table_coat_over(mu, roughness, s.coat_roughness, at.albedo);
@@ -186,7 +186,7 @@ SHADE_FN bool coat_is_delta(SHADE_IN(Surface) s) { return s.chance_coat <= 0.0f 
 // ----- its facets
 
 SHADE_FN float coat_dv(SHADE_IN(Surface) s, vec3 o, vec3 i, vec3 wm) {
-  if ((s.lobes & kLobeCoatAnisotropy) != 0) {
+  if ((SHADE_LOBES(s) & kLobeCoatAnisotropy) != 0) {
     return ggx_d_aniso(wm, s.coat_widths.x, s.coat_widths.y) *
            ggx_v_smith_aniso(o, i, s.coat_widths.x, s.coat_widths.y);
   }
@@ -194,14 +194,14 @@ SHADE_FN float coat_dv(SHADE_IN(Surface) s, vec3 o, vec3 i, vec3 wm) {
 }
 
 SHADE_FN float coat_pdf_visible(SHADE_IN(Surface) s, vec3 o, vec3 wm) {
-  if ((s.lobes & kLobeCoatAnisotropy) != 0) {
+  if ((SHADE_LOBES(s) & kLobeCoatAnisotropy) != 0) {
     return ggx_pdf_visible_aniso(o, wm, s.coat_widths.x, s.coat_widths.y);
   }
   return ggx_pdf_visible(o, wm, s.coat_alpha);
 }
 
 SHADE_FN vec3 coat_sample_visible(SHADE_IN(Surface) s, vec3 o, vec2 u) {
-  if ((s.lobes & kLobeCoatAnisotropy) != 0) {
+  if ((SHADE_LOBES(s) & kLobeCoatAnisotropy) != 0) {
     return ggx_sample_visible_aniso(o, s.coat_widths.x, s.coat_widths.y, u);
   }
   return ggx_sample_visible(o, s.coat_alpha, u);

@@ -8,7 +8,7 @@
 SHADE_BEGIN
 
 SHADE_FN void rough_diffuse_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
-  s.diffuse_roughness = (p.lobes & kLobeDiffuseRoughness) != 0 ? p.diffuse_roughness : 0.0f;
+  s.diffuse_roughness = (SHADE_LOBES(p) & kLobeDiffuseRoughness) != 0 ? p.diffuse_roughness : 0.0f;
   s.diffuse_color = p.base_color;
   s.diffuse_below_color = p.diffuse_transmission_color;
 }

@@ -11,8 +11,8 @@ SHADE_BEGIN
 /// After glass_matter, whose share of the dielectric it leaves alone.
 SHADE_FN void below_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   s.diffuse_below = vec3(0.0f);
-  if ((p.lobes & kLobeDiffuseTransmission) == 0) return;
-  bool has_glass = (p.lobes & kLobeTransmission) != 0;
+  if ((SHADE_LOBES(p) & kLobeDiffuseTransmission) == 0) return;
+  bool has_glass = (SHADE_LOBES(p) & kLobeTransmission) != 0;
   s.diffuse_below = p.diffuse_transmission_color *
                     (p.diffuse_transmission * (1.0f - p.metallic) * (has_glass ? 1.0f - p.transmission : 1.0f));
   s.diffuse = s.diffuse * (1.0f - p.diffuse_transmission);

@@ -15,7 +15,7 @@ SHADE_FN float edge_f0(SHADE_IN(SurfaceParams) p, float f0) {
 
 /// After the matter of glass, which lets through what it would without a colour.
 SHADE_FN void edge_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
-  if ((p.lobes & kLobeEdgeColor) == 0) return;
+  if ((SHADE_LOBES(p) & kLobeEdgeColor) == 0) return;
   s.glass_f0_tinted = vec3(edge_f0(p, s.glass_f0));
   // Seen from within, all of what cannot leave stays.
   if (s.eta >= 1.0f) s.glass_shine = p.specular_color * (1.0f / max(shade_max3(p.specular_color), 1.0f));
@@ -50,7 +50,7 @@ SHADE_FN vec3 edge_dip_mean(SHADE_IN(Surface) s) {
 /// In place of what base_energy says, which knows neither colour: what lies below the boundary sees its reflectance
 /// without one. `ab` and `mean` are the split-sum terms at wo and their means.
 SHADE_FN void edge_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
-  if ((s.lobes & kLobeEdgeColor) == 0) return;
+  if ((SHADE_LOBES(s) & kLobeEdgeColor) == 0) return;
   vec2 walk = table_walk(s.row);
   vec3 f90 = terms_f90(s);
 

@@ -9,7 +9,7 @@ SHADE_BEGIN
 
 /// Whether there is a film; before the rest of the matter.
 SHADE_FN void iridescence_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
-  s.iridescence = (p.lobes & kLobeIridescence) != 0 && p.film_nm > 0.0f ? p.iridescence : 0.0f;
+  s.iridescence = (SHADE_LOBES(p) & kLobeIridescence) != 0 && p.film_nm > 0.0f ? p.iridescence : 0.0f;
   s.has_film_below = s.iridescence > 0.0f && s.weight_dielectric > 0.0f;
 }
 
@@ -42,7 +42,7 @@ SHADE_FN vec3 iridescence_below_at(SHADE_IN(Surface) s, vec2 ab, vec3 w) {
 }
 
 SHADE_FN float iridescence_mean(SHADE_IN(Surface) s, int i) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return table_film_mean(i, s.row);
+  if ((SHADE_LOBES(s) & kLobeAnisotropy) == 0) return table_film_mean(i, s.row);
   float sum = 0.0f;
   for (int k = 0; k < kAzimuths; ++k) {
     sum += table_film_mean(i, table_ggx_roughness(anisotropy_roughness_at(s, anisotropy_azimuth(k))));

@@ -10,7 +10,7 @@
 SHADE_BEGIN
 
 SHADE_FN void retro_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
-  s.retroreflection = (p.lobes & kLobeRetroreflection) != 0 ? p.retroreflection : 0.0f;
+  s.retroreflection = (SHADE_LOBES(p) & kLobeRetroreflection) != 0 ? p.retroreflection : 0.0f;
 }
 
 SHADE_FN vec3 retro_turned(vec3 w) { return vec3(-w.x, -w.y, w.z); }

@@ -29,7 +29,7 @@ SHADE_FN float sheen_cosine(SHADE_IN(Surface) s, vec3 w) {
 /// At cosines to the fibres' normal and to the base's, above a base of this roughness.
 SHADE_FN LayerAt sheen_at(SHADE_IN(Surface) s, float sheen_mu, float mu, float roughness) {
   LayerAt at = layer_absent();
-  if ((s.lobes & kLobesOfFibres) == 0) return at;
+  if ((SHADE_LOBES(s) & kLobesOfFibres) == 0) return at;
   at.albedo = table_sheen(sheen_mu, s.sheen_roughness);
   at.over = table_sheen_over(mu, roughness, s.sheen_roughness, at.albedo);
   return at;
@@ -37,7 +37,7 @@ SHADE_FN LayerAt sheen_at(SHADE_IN(Surface) s, float sheen_mu, float mu, float r
 
 /// Factor of the fibres at a cosine that brings their albedo to that of the table.
 SHADE_FN float sheen_scale(SHADE_IN(Surface) s, float mu) {
-  if ((s.lobes & kLobesOfFibres) == 0 || s.model.literal_layers) return 1.0f;
+  if ((SHADE_LOBES(s) & kLobesOfFibres) == 0 || s.model.literal_layers) return 1.0f;
   return table_sheen_scale(mu, s.sheen_roughness);
 }
 

@@ -37,7 +37,7 @@ SHADE_FN float glass_reflect_chance(vec3 f, vec3 tint) {
 }
 
 SHADE_FN void glass_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
-  if ((p.lobes & kLobeTransmission) == 0) {
+  if ((SHADE_LOBES(p) & kLobeTransmission) == 0) {
     s.is_thin = true;
     s.eta = 1.5f;
     s.is_glass_delta = true;
@@ -62,7 +62,7 @@ SHADE_FN void glass_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
 
 /// Cosine-weighted mean of what single scattering at a boundary loses.
 SHADE_FN float glass_escape_mean(SHADE_IN(Surface) s, float eta) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return 1.0f - table_glass_mean(s.roughness, eta);
+  if ((SHADE_LOBES(s) & kLobeAnisotropy) == 0) return 1.0f - table_glass_mean(s.roughness, eta);
   float sum = 0.0f;
   for (int i = 0; i < kAzimuths; ++i)
     sum += 1.0f - table_glass_mean(anisotropy_roughness_at(s, anisotropy_azimuth(i)), eta);

@@ -17,6 +17,8 @@
 #define SHADE_INOUT(Type) Type&
 // Kept out of its callers, so that what most surfaces never need does not crowd what they do.
 #define SHADE_APART [[gnu::noinline]]
+// How often a loop runs that a compiler of shaders, which makes one function of everything, shall not unroll.
+#define SHADE_TIMES(n) (n)
 
 namespace candela::shade {
 
@@ -65,6 +67,8 @@ using glm::tan;
 #define SHADE_IN(Type) Type
 #define SHADE_INOUT(Type) inout Type
 #define SHADE_APART
+uniform int shade_nothing;  // 0, which no compiler knows
+#define SHADE_TIMES(n) ((n) + shade_nothing)
 #endif
 
 SHADE_BEGIN

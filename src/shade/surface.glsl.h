@@ -26,15 +26,15 @@ SHADE_BEGIN
 /// For the viewer at wo (wo.z > 0), which decides how the lobes share the samples. `s` may hold anything before.
 SHADE_FN void surface_prepare_in(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surface) s) {
   base_matter(p, s);
-  if (p.lobes != 0) layers_matter(p, s);
-  vec2 ab = p.lobes == 0 ? table_ggx_curve(wo.z, s.row, s.curve) : anisotropy_ggx(s, wo, s.curve);
-  vec2 mean = p.lobes == 0 ? table_ggx_curve_mean(s.row, s.curve) : anisotropy_ggx_mean(s);
+  if (SHADE_LOBES(p) != 0) layers_matter(p, s);
+  vec2 ab = SHADE_LOBES(p) == 0 ? table_ggx_curve(wo.z, s.row, s.curve) : anisotropy_ggx(s, wo, s.curve);
+  vec2 mean = SHADE_LOBES(p) == 0 ? table_ggx_curve_mean(s.row, s.curve) : anisotropy_ggx_mean(s);
   vec2 ab_metal = ab;
   if (s.curve.i > 0 && s.weight_metal > 0.0f) {
-    ab_metal = p.lobes == 0 ? table_ggx(wo.z, s.row) : anisotropy_ggx(s, wo, table_curve_schlick());
+    ab_metal = SHADE_LOBES(p) == 0 ? table_ggx(wo.z, s.row) : anisotropy_ggx(s, wo, table_curve_schlick());
   }
   base_energy(ab, mean, ab_metal, s);
-  if (p.lobes != 0) layers_prepare(p, wo, ab, mean, s);
+  if (SHADE_LOBES(p) != 0) layers_prepare(p, wo, ab, mean, s);
 }
 
 SHADE_FN Surface surface_prepare(SHADE_IN(SurfaceParams) p, vec3 wo) {
@@ -45,45 +45,45 @@ SHADE_FN Surface surface_prepare(SHADE_IN(SurfaceParams) p, vec3 wo) {
 
 /// Whether every lobe is a delta, so that no direction but the sampled ones can carry light.
 SHADE_FN bool surface_is_delta(SHADE_IN(Surface) s) {
-  if (s.lobes != 0) return layers_is_delta(s);
+  if (SHADE_LOBES(s) != 0) return layers_is_delta(s);
   return s.is_mirror && s.chance_diffuse <= 0.0f;
 }
 
 /// Whether light arrives from the other side too, other than by delta lobes.
 SHADE_FN bool surface_scatters_through(SHADE_IN(Surface) s) {
-  return (s.lobes & (kLobeTransmission | kLobeDiffuseTransmission)) != 0 && layers_scatters_through(s);
+  return (SHADE_LOBES(s) & (kLobeTransmission | kLobeDiffuseTransmission)) != 0 && layers_scatters_through(s);
 }
 
 /// f·|cos θi| and the density of surface_sample, without delta lobes. wo.z > 0.
 SHADE_FN SurfaceEval surface_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
-  if (s.lobes != 0) return layers_eval(s, wo, wi);
+  if (SHADE_LOBES(s) != 0) return layers_eval(s, wo, wi);
   return base_eval(s, wo, wi);
 }
 
 /// Chooses a lobe by u.z and a direction by u.xy. wo.z > 0.
 SHADE_FN SurfaceSample surface_sample(SHADE_IN(Surface) s, vec3 wo, vec3 u) {
-  if (s.lobes != 0) return layers_sample(s, wo, u);
+  if (SHADE_LOBES(s) != 0) return layers_sample(s, wo, u);
   return base_sample(s, wo, u);
 }
 
 /// What passes straight through a smooth sheet: the weight of the delta lobe that leaves at -wo.
 SHADE_FN vec3 surface_straight(SHADE_IN(Surface) s, vec3 wo) {
-  if ((s.lobes & kLobeTransmission) == 0) return vec3(0.0f);
+  if ((SHADE_LOBES(s) & kLobeTransmission) == 0) return vec3(0.0f);
   return layers_straight(s, wo);
 }
 
 /// What it was made of.
-SHADE_FN vec3 surface_base_color(SHADE_IN(Surface) s) { return s.lobes != 0 ? s.diffuse_color : s.f0_metal; }
+SHADE_FN vec3 surface_base_color(SHADE_IN(Surface) s) { return SHADE_LOBES(s) != 0 ? s.diffuse_color : s.f0_metal; }
 
 /// Reflectance estimate for the film's albedo layer: what a denoiser should divide out.
 SHADE_FN vec3 surface_albedo(SHADE_IN(Surface) s) {
-  if (s.lobes != 0) return layers_albedo(s, s.specular_albedo_o);
+  if (SHADE_LOBES(s) != 0) return layers_albedo(s, s.specular_albedo_o);
   return s.diffuse * s.transmission_o + s.specular_albedo_o;
 }
 
 /// What is left of emission on its way out through the layers above the base.
 SHADE_FN vec3 surface_emission_scale(SHADE_IN(Surface) s) {
-  if ((s.lobes & (kLobesOfFibres | kLobeClearcoat)) == 0) return vec3(1.0f);
+  if ((SHADE_LOBES(s) & (kLobesOfFibres | kLobeClearcoat)) == 0) return vec3(1.0f);
   return layers_emission_scale(s);
 }
 

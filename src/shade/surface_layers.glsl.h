@@ -29,10 +29,10 @@ SHADE_BEGIN
 /// Matter: colours, films, widths. Between base_matter and base_energy.
 SHADE_APART SHADE_FN void layers_matter(SHADE_IN(SurfaceParams) p, SHADE_INOUT(Surface) s) {
   s.model = p.model;
-  bool has_index = (p.lobes & kLobeModel) == 0 || shading_model_has_index(p.model);
+  bool has_index = (SHADE_LOBES(p) & kLobeModel) == 0 || shading_model_has_index(p.model);
   if (!has_index) base_rises_by_schlick(s);
   // KHR_materials_specular's colour, which glTF leaves unused for metals.
-  s.has_f82_tint = (p.lobes & kLobeModel) != 0 && p.model.fresnel == kFresnelF82;
+  s.has_f82_tint = (SHADE_LOBES(p) & kLobeModel) != 0 && p.model.fresnel == kFresnelF82;
   s.f82_tint = min(p.specular_color, vec3(1.0f));
   s.f90_tint = vec3(1.0f);
   coat_matter(has_index, s);
@@ -99,9 +99,9 @@ SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec
   edge_prepare(p, wo, ab, mean, s);
   s.film_below_o = vec3(1.0f);
   if (s.has_film_below) iridescence_prepare(wo, ab, mean, s);
-  if ((s.lobes & kLobeClearcoat) != 0) coat_prepare(p, wo, s);
-  if ((s.lobes & kLobeSheen) != 0) sheen_prepare(p, s);
-  if ((s.lobes & kLobeFuzz) != 0) fuzz_prepare(p, s);
+  if ((SHADE_LOBES(s) & kLobeClearcoat) != 0) coat_prepare(p, wo, s);
+  if ((SHADE_LOBES(s) & kLobeSheen) != 0) sheen_prepare(p, s);
+  if ((SHADE_LOBES(s) & kLobeFuzz) != 0) fuzz_prepare(p, s);
   glass_prepare(wo, s);
   rough_diffuse_prepare(ab, mean, s);
 
@@ -116,7 +116,7 @@ SHADE_APART SHADE_FN void layers_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, vec
     // KHR_materials_clearcoat and _sheen as printed: by the view alone.
     s.coat_over_o = 1.0f - s.coat * coat_fresnel(s, coat_cosine(s, wo));
     s.sheen_over_o = 1.0f - s.sheen_weight * at.sheen.albedo;
-  } else if ((s.lobes & (kLobesOfFibres | kLobeClearcoat)) != 0) {
+  } else if ((SHADE_LOBES(s) & (kLobesOfFibres | kLobeClearcoat)) != 0) {
     s.transmission_o = layers_transmission(s, at, ab, wo.z, anisotropy_row_along(s, wo));
     s.diffuse_scale = 1.0f / max(layers_transmission_mean(s), 1e-6f);
   }
@@ -205,7 +205,7 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval(SHADE_IN(Surface) s, vec3 wo, vec3 
   r.pdf = 0.0f;
   if (wo.z <= 0.0f || wi.z == 0.0f) return r;
   bool is_below = wi.z < 0.0f;
-  if (is_below && (s.lobes & (kLobeTransmission | kLobeDiffuseTransmission)) == 0) return r;
+  if (is_below && (SHADE_LOBES(s) & (kLobeTransmission | kLobeDiffuseTransmission)) == 0) return r;
   LayersAt at = layers_at(s, wi);
   if (is_below) return layers_eval_below(s, wo, wi, at);
   return layers_eval_above(s, wo, wi, at);
@@ -306,7 +306,7 @@ SHADE_APART SHADE_FN void layers_shares(SHADE_IN(Surface) s, vec3 wo, SHADE_INOU
   r.coat = coat_share(s) * sheen_over_coat_share(s);
   if (s.coat > 0.0f) r.coat_rise = base_share_of_rise(s.coat_f0 * (1.0f - s.coat_escape_o), s.coat_albedo_o);
 #ifndef SHADE_DEFAULT_MODEL
-  if ((s.lobes & kLobeModel) != 0) {
+  if ((SHADE_LOBES(s) & kLobeModel) != 0) {
     r.specular = model_specular(s, wo);
     r.diffuse = model_diffuse(s, wo);
     if (s.sheen_weight > 0.0f) r.sheen = model_sheen(s, wo);

@@ -27,6 +27,14 @@ SHADE_CONST int kLobeCoatAnisotropy = 4096;
 SHADE_CONST int kLobesOfFibres = kLobeSheen | kLobeFuzz;
 SHADE_CONST int kLobesOfFresnel = kLobeModel | kLobeConductor | kLobeIridescence | kLobeEdgeColor;
 
+// Of parameters or a surface. A shader that is made for one material has them as a constant, LOBES: what it lacks is
+// then gone before a driver has to look through it.
+#ifdef LOBES
+#define SHADE_LOBES(x) LOBES
+#else
+#define SHADE_LOBES(x) (x).lobes
+#endif
+
 /// What textures and factors say at one point, before any physics. Linear Rec.709.
 struct SurfaceParams {
   int lobes;  ///< kLobe… bits; fields of lobes that are absent are not read

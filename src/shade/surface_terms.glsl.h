@@ -16,7 +16,7 @@ SHADE_FN vec3 terms_film(SHADE_IN(Surface) s, float cos_theta, vec3 f0) {
 
 /// A film on the surface's metal.
 SHADE_FN vec3 terms_film_metal(SHADE_IN(Surface) s, float cos_theta) {
-  if ((s.lobes & kLobeConductor) != 0) {
+  if ((SHADE_LOBES(s) & kLobeConductor) != 0) {
     return thin_film_conductor(cos_theta, 1.0f, s.film_ior, s.conductor_n, s.conductor_k, s.film_nm);
   }
   return thin_film_metal(cos_theta, 1.0f, s.film_ior, s.film_f0_metal, s.film_nm);
@@ -29,7 +29,7 @@ SHADE_FN vec3 terms_fresnel_dielectric(SHADE_IN(Surface) s, float cos_theta) {
   vec3 f0 = s.film_f0_dielectric;
   vec3 f90 = terms_f90(s);
   vec3 f = f0 + (f90 - f0) * base_rise(s, cos_theta);
-  if ((s.lobes & kLobeModel) != 0 && s.model.fresnel == kFresnelSphericalGaussian) {
+  if ((SHADE_LOBES(s) & kLobeModel) != 0 && s.model.fresnel == kFresnelSphericalGaussian) {
     f = fresnel_spherical_gaussian(f0, cos_theta);
   }
   return s.iridescence > 0.0f ? mix(f, terms_film(s, cos_theta, f0), s.iridescence) : f;
@@ -38,17 +38,18 @@ SHADE_FN vec3 terms_fresnel_dielectric(SHADE_IN(Surface) s, float cos_theta) {
 SHADE_FN vec3 terms_fresnel_metal(SHADE_IN(Surface) s, float cos_theta) {
   vec3 f0 = s.film_f0_metal;
   vec3 f = f0 + (vec3(1.0f) - f0) * schlick_weight(cos_theta);
-  if ((s.lobes & kLobeModel) != 0 && s.model.fresnel == kFresnelSphericalGaussian) {
+  if ((SHADE_LOBES(s) & kLobeModel) != 0 && s.model.fresnel == kFresnelSphericalGaussian) {
     f = fresnel_spherical_gaussian(f0, cos_theta);
   }
   if (s.has_f82_tint) f = fresnel_f82(f0, s.f82_tint, cos_theta);
-  if ((s.lobes & kLobeConductor) != 0) f = min(fresnel_conductor3(cos_theta, s.conductor_n, s.conductor_k), vec3(1.0f));
+  if ((SHADE_LOBES(s) & kLobeConductor) != 0)
+    f = min(fresnel_conductor3(cos_theta, s.conductor_n, s.conductor_k), vec3(1.0f));
   return s.iridescence > 0.0f ? mix(f, terms_film_metal(s, cos_theta), s.iridescence) : f;
 }
 
 /// Of both opaque materials, weighted.
 SHADE_FN vec3 terms_fresnel_opaque(SHADE_IN(Surface) s, float cos_theta) {
-  if ((s.lobes & kLobesOfFresnel) == 0) return base_fresnel(s, cos_theta);
+  if ((SHADE_LOBES(s) & kLobesOfFresnel) == 0) return base_fresnel(s, cos_theta);
   vec3 f = vec3(0.0f);
   if (s.weight_dielectric > 0.0f) f += s.weight_dielectric * terms_fresnel_dielectric(s, cos_theta);
   if (s.weight_metal > 0.0f) f += s.weight_metal * terms_fresnel_metal(s, cos_theta);
@@ -57,8 +58,8 @@ SHADE_FN vec3 terms_fresnel_opaque(SHADE_IN(Surface) s, float cos_theta) {
 
 /// D·V, both directions above.
 SHADE_FN float terms_dv(SHADE_IN(Surface) s, vec3 wo, vec3 wi, vec3 wm) {
-  if ((s.lobes & kLobeModel) == 0) {
-    if ((s.lobes & kLobeAnisotropy) != 0) {
+  if ((SHADE_LOBES(s) & kLobeModel) == 0) {
+    if ((SHADE_LOBES(s) & kLobeAnisotropy) != 0) {
       return ggx_d_aniso(wm, s.alpha_x, s.alpha_y) * ggx_v_smith_aniso(wo, wi, s.alpha_x, s.alpha_y);
     }
     return ggx_d(wm, s.alpha) * ggx_v_smith(wo, wi, s.alpha);
@@ -83,18 +84,18 @@ SHADE_FN float terms_dv(SHADE_IN(Surface) s, vec3 wo, vec3 wi, vec3 wm) {
 
 /// Density of terms_sample_visible's mirror direction: of GGX's facets, whatever D is asked for.
 SHADE_FN float terms_pdf_visible(SHADE_IN(Surface) s, vec3 wo, vec3 wm) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return ggx_pdf_visible(wo, wm, s.alpha);
+  if ((SHADE_LOBES(s) & kLobeAnisotropy) == 0) return ggx_pdf_visible(wo, wm, s.alpha);
   return ggx_pdf_visible_aniso(wo, wm, s.alpha_x, s.alpha_y);
 }
 
 SHADE_FN vec3 terms_sample_visible(SHADE_IN(Surface) s, vec3 wo, vec2 u) {
-  if ((s.lobes & kLobeAnisotropy) == 0) return ggx_sample_visible(wo, s.alpha, u);
+  if ((SHADE_LOBES(s) & kLobeAnisotropy) == 0) return ggx_sample_visible(wo, s.alpha, u);
   return ggx_sample_visible_aniso(wo, s.alpha_x, s.alpha_y, u);
 }
 
 /// The diffuse layer alone, of albedo 1: 1/π for Lambert. The rough ones take the surface's roughness.
 SHADE_FN vec3 terms_diffuse_shape(SHADE_IN(Surface) s, vec3 albedo, vec3 wo, vec3 wi, float cos_m) {
-  if ((s.lobes & kLobeModel) == 0 || s.model.diffuse == kDiffuseLambert) return lambert_f(albedo);
+  if ((SHADE_LOBES(s) & kLobeModel) == 0 || s.model.diffuse == kDiffuseLambert) return lambert_f(albedo);
   if (s.model.diffuse == kDiffuseBurley) return burley_renormalised_f(albedo, s.roughness, wi.z, wo.z, cos_m);
   if (s.model.diffuse == kDiffuseOrenNayar) return oren_nayar_f(albedo, 0.5f * kShadePi * s.roughness, wo, wi);
   return eon_f(albedo, s.roughness, wo, wi);

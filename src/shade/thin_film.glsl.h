@@ -21,20 +21,48 @@ struct FilmFringes {
   vec3 im[kFilmOrders];
 };
 
-/// Adds a Gaussian of the sensitivities: centre and deviation in 1/µm, area in each channel. `opd` in µm.
-/// The transform is area · exp(-2 (π σ x)²) exp(2πi ν x); powers of the first order give the others.
-SHADE_FN FilmFringes film_add_gaussian(FilmFringes f, float opd, float nu, float sigma, vec3 area) {
-  float phase = 2.0f * kShadePi * nu * opd;
+/// A Gaussian of the sensitivities: centre and deviation in 1/µm, area in each channel.
+struct FilmGaussian {
+  float nu;
+  float sigma;
+  vec3 area;
+};
+
+SHADE_CONST int kFilmGaussians = 6;
+
+SHADE_FN FilmGaussian film_gaussian_of(float nu, float sigma, vec3 area) {
+  FilmGaussian g;
+  g.nu = nu;
+  g.sigma = sigma;
+  g.area = area;
+  return g;
+}
+
+/// Sensitivities of linear Rec.709: the CIE 1931 observer times D65, each channel with integral 1. Fitted by least
+/// squares of the transform over path differences from 0 to 6 µm.
+SHADE_FN FilmGaussian film_gaussian(int i) {
+  if (i == 0) return film_gaussian_of(1.64674f, 0.07284f, vec3(1.30868f, -0.24035f, 0.00593f));
+  if (i == 1) return film_gaussian_of(1.77725f, 0.10256f, vec3(0.38660f, 0.74630f, -0.10816f));
+  if (i == 2) return film_gaussian_of(1.90957f, 0.09761f, vec3(-0.81710f, 0.63348f, -0.03943f));
+  if (i == 3) return film_gaussian_of(1.98172f, 0.04307f, vec3(0.06053f, -0.04507f, 0.03314f));
+  if (i == 4) return film_gaussian_of(2.13731f, 0.07514f, vec3(-0.06015f, 0.01415f, 0.32721f));
+  return film_gaussian_of(2.24128f, 0.09245f, vec3(0.12144f, -0.10851f, 0.78131f));
+}
+
+/// Adds a Gaussian. `opd` in µm. The transform is area · exp(-2 (π σ x)²) exp(2πi ν x); powers of the first order give
+/// the others.
+SHADE_FN FilmFringes film_add_gaussian(FilmFringes f, float opd, FilmGaussian g) {
+  float phase = 2.0f * kShadePi * g.nu * opd;
   float c = cos(phase);
   float s = sin(phase);
-  float decay = exp(-2.0f * shade_sqr(kShadePi * sigma * opd));
+  float decay = exp(-2.0f * shade_sqr(kShadePi * g.sigma * opd));
   float decay2 = decay * decay;
   float re = decay * c;
   float im = decay * s;
   float ratio = decay;  // of the amplitudes of order m and m - 1: decay^(2m - 1)
   for (int m = 0; m < kFilmOrders; ++m) {
-    f.re[m] += area * re;
-    f.im[m] += area * im;
+    f.re[m] += g.area * re;
+    f.im[m] += g.area * im;
     ratio *= decay2;
     float turned = (re * c - im * s) * ratio;
     im = (re * s + im * c) * ratio;
@@ -43,20 +71,13 @@ SHADE_FN FilmFringes film_add_gaussian(FilmFringes f, float opd, float nu, float
   return f;
 }
 
-/// Sensitivities of linear Rec.709: the CIE 1931 observer times D65, each channel with integral 1. Fitted by least
-/// squares of the transform over path differences from 0 to 6 µm.
 SHADE_FN FilmFringes film_fringes(float opd) {
   FilmFringes f;
   for (int m = 0; m < kFilmOrders; ++m) {
     f.re[m] = vec3(0.0f);
     f.im[m] = vec3(0.0f);
   }
-  f = film_add_gaussian(f, opd, 1.64674f, 0.07284f, vec3(1.30868f, -0.24035f, 0.00593f));
-  f = film_add_gaussian(f, opd, 1.77725f, 0.10256f, vec3(0.38660f, 0.74630f, -0.10816f));
-  f = film_add_gaussian(f, opd, 1.90957f, 0.09761f, vec3(-0.81710f, 0.63348f, -0.03943f));
-  f = film_add_gaussian(f, opd, 1.98172f, 0.04307f, vec3(0.06053f, -0.04507f, 0.03314f));
-  f = film_add_gaussian(f, opd, 2.13731f, 0.07514f, vec3(-0.06015f, 0.01415f, 0.32721f));
-  f = film_add_gaussian(f, opd, 2.24128f, 0.09245f, vec3(0.12144f, -0.10851f, 0.78131f));
+  for (int i = 0; i < SHADE_TIMES(kFilmGaussians); ++i) f = film_add_gaussian(f, opd, film_gaussian(i));
   return f;
 }
 
@@ -169,9 +190,10 @@ SHADE_APART SHADE_FN vec3 thin_film_conductor(float cos_theta1, float eta1, floa
   FilmBoundary p = film_boundary_p(cos1, root, eta2_film);
   vec3 eta2_re = (n * n - k * k) / (film_eta * film_eta);
   vec3 eta2_im = n * k * (2.0f / (film_eta * film_eta));
-  vec3 r = vec3(film_channel(s, p, cos2, vec2(eta2_re.x, eta2_im.x), fringes, 0),
-                film_channel(s, p, cos2, vec2(eta2_re.y, eta2_im.y), fringes, 1),
-                film_channel(s, p, cos2, vec2(eta2_re.z, eta2_im.z), fringes, 2));
+  vec3 r = vec3(0.0f);
+  for (int c = 0; c < SHADE_TIMES(3); ++c) {
+    r[c] = film_channel(s, p, cos2, vec2(eta2_re[c], eta2_im[c]), fringes, c);
+  }
   return clamp(r, vec3(0.0f), vec3(1.0f));
 }
 

@@ -56,7 +56,7 @@ class Compare(RasterTest):
         self.fails("compare", *PLAIN, "-o", "/proc/absent/x.html", says="/proc/absent")
         (self.folder / "a").mkdir()
         (self.folder / "a/t.glb").write_bytes(candela.triangle_glb())
-        self.fails("compare", "a/t.glb", *QUICK, "-o", "a", says="t.glb")
+        self.fails("compare", "a/t.glb", *QUICK, "-o", "a", says="t.glb: lies in the output folder and could")
 
     def test_wrong_usage(self):
         self.refuses("compare", *PLAIN, "--spp", "1", says="--spp")
@@ -147,7 +147,7 @@ class Mistakes(RasterTest):
 
     def test_lamps_twice_as_bright(self):
         suspects, _ = self.suspects(("demo:cornell", "--size", "96x96", *QUICK), "mesh.frag.glsl",
-                                    r"part\(kDirectPart\) \* area_light", "2.0 * part(kDirectPart) * area_light")
+                                    r"part\(kDirectPart\) \* direct_light", "2.0 * part(kDirectPart) * direct_light")
         self.assertIn("factor-lamps", suspects)
 
 

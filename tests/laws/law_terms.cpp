@@ -7,9 +7,11 @@
 #include <functional>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "laws/bsdf_laws.h"
+#include "shade/image_light.glsl.h"
 #include "shade/microfacet.glsl.h"
 #include "support/quadrature.h"
 #include "support/random.h"
@@ -346,6 +348,54 @@ TEST(law_terms, anisotropic_sampled_normals_are_the_visible_ones) {
   EXPECT_FALSE(follows_visible_normals([](vec3 wo, float ax, float ay, vec2 u) {
     return shade::ggx_sample_visible_aniso(wo, ay, ax, u);
   })) << "widths swapped";
+}
+
+// ----- models
+
+/// Farthest that the shares of a model are from the integral of its values, over the integral.
+double worst_share(const shade::ShadingModel& model, float metallic) {
+  double worst = 0.0;
+  for (const float roughness : {0.3f, 0.5f, 0.7f, 1.0f}) {
+    for (const float cosine : {0.9f, 0.5f, 0.2f}) {
+      shade::SurfaceParams p = shade::surface_params_default();
+      p.lobes = shade::kLobeModel;
+      p.model = model;
+      p.metallic = metallic;
+      p.roughness = roughness;
+      const vec3 wo = direction(cosine, 0.9f);
+      const shade::Surface s = shade::surface_prepare(p, wo);
+      const test::DirectionFunction f = [&](vec3 wi) {
+        return glm::dvec4(static_cast<double>(shade::surface_eval(s, wo, wi).value.x), 0.0, 0.0, 0.0);
+      };
+      const std::array<vec3, 1> peaks = {shade::microfacet_reflect(wo, kNormal)};
+      const double expected = HemisphereQuadrature(f, peaks, {1e-5, 1e30, 0.1}).integral().x;
+      const shade::SurfaceShares shares = shade::surface_shares(s, wo);
+      const double found = static_cast<double>(shares.specular.x + shares.spread.x + shares.diffuse.x);
+      worst = std::max(worst, std::abs(found / expected - 1.0));
+    }
+  }
+  return worst;
+}
+
+// What is drawn of light from far away: a surface in a furnace is as bright as its values say.
+TEST(law_terms, shares_of_a_model_are_what_its_values_add_up_to) {
+  using shade::ShadingModel;
+  ShadingModel schlick = shade::shading_model_candela(), off = schlick, burley = schlick;
+  schlick.fresnel = shade::kFresnelSchlick;
+  off.multiscatter = false;
+  burley.diffuse = shade::kDiffuseBurley;
+  const std::vector<std::pair<std::string, ShadingModel>> models = {{"gltf", shade::shading_model_gltf()},
+                                                                    {"ue4", shade::shading_model_ue4()},
+                                                                    {"thesis", shade::shading_model_thesis()},
+                                                                    {"learnopengl", shade::shading_model_learnopengl()},
+                                                                    {"f=schlick", schlick},
+                                                                    {"multiscatter=off", off},
+                                                                    {"diffuse=burley", burley}};
+  for (const auto& [name, model] : models) {
+    for (const float metallic : {0.0f, 1.0f}) {
+      EXPECT_LT(worst_share(model, metallic), 0.015) << name << (metallic > 0.0f ? ", metal" : "");
+    }
+  }
 }
 
 }  // namespace

@@ -79,6 +79,30 @@ TEST_F(law_raster_lamps, panels_of_one_primitive_are_lamps_of_their_own) {
   EXPECT_GT(found.rgb(6, kSize / 2).x, 8.0f * found.rgb(kSize / 2, kSize / 2).x) << "between them it is dark";
 }
 
+/// A leaf before a panel, seen from the other side: mean over the leaf.
+Scene leaf_before_panel(float transmission) {
+  Material leaf = matte(vec3(0.8f));
+  leaf.double_sided = true;
+  leaf.diffuse_transmission = transmission;
+  SceneBuilder b;
+  b.add(quad({-0.5f, -0.5f, 0.0f}, {1, 0, 0}, {0, 1, 0}), leaf);
+  b.add(quad({-1.0f, -1.0f, -2.0f}, {2, 0, 0}, {0, 2, 0}), lamp(vec3(5.0f)));
+  return b.build();
+}
+
+TEST_F(law_raster_lamps, a_panel_shines_through_a_leaf_as_in_the_path_tracer) {
+  const View view = look_at({0.0f, 0.0f, 3.0f}, vec3(0.0f), 0.2f);
+  const auto middle = [](const Image& image) { return luminance(image.rgb(image.width / 2, image.height / 2)); };
+  for (const float transmission : {0.5f, 1.0f}) {
+    const Scene scene = leaf_before_panel(transmission);
+    const float expected = middle(path::render(scene, dark_environment(), view, test::settings(15, 256, 2)).beauty);
+    EXPECT_GT(expected, 0.1f);
+    EXPECT_NEAR(middle(draw(scene, view)) / expected, 1.0f, 0.1f) << transmission;
+  }
+  // And none through what lets none pass.
+  EXPECT_EQ(middle(draw(leaf_before_panel(0.0f), view)), 0.0f);
+}
+
 /// A bulb that stands on a foot, above a floor: of two materials, or of one whose texture says what glows.
 SceneBuilder bulb_on_foot(const std::function<int(SceneBuilder&)>& palette, const TextureSlot& slot, vec2 lit,
                           vec2 dark, std::size_t set = 0) {

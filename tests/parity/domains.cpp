@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "shade/light_choice.glsl.h"
 #include "shade/surface_params.glsl.h"
+#include "shade/thin_film.glsl.h"
 #include "support/random.h"
 
 namespace candela::parity {
@@ -191,8 +192,6 @@ const std::vector<Row>& rows() {
       {"fresnel_rise_scale:eta", uniform(1.0f, 2.5f)},
       {"table_curve*:eta", uniform(1.0f, 6.0f)},
       {"area_*:[abcd]", uniform(-2.0f, 2.0f)},
-      {"area_*:down", uniform(-2.0f, 2.0f)},
-      {"area_*:up", uniform(-2.0f, 2.0f)},
       {"*refract*:wi", direction(-1.0f, -0.02f)},
       {"surface_*:wi", direction(-0.3f, 1.0f)},  // a quarter of them below the surface
       {"base_eval:wi", direction(-0.3f, 1.0f)},
@@ -209,7 +208,8 @@ const std::vector<Row>& rows() {
       {"image_light_lookup:mirrored", direction(-1.0f, 1.0f)},
       {"film_*:c", whole(0, 2)},
       {"film_*:opd", uniform(0.0f, 4.0f)},  // µm
-      {"film_*:nu", uniform(1.5f, 2.5f)},   // 1/µm
+      {"film_gaussian:i", whole(0, shade::kFilmGaussians - 1)},
+      {"film_*:nu", uniform(1.5f, 2.5f)},  // 1/µm
       {"film_*:sigma", uniform(0.04f, 0.11f)},
       {"film_*:eta2", uniform(0.2f, 6.0f)},
       {"film_boundary_*:g", uniform(0.1f, 2.0f)},
@@ -378,6 +378,7 @@ const std::vector<Maker>& makers() {
       {"TableCell curve", {"table_curve", "table_curve_schlick"}},
       {"TableCell", {"table_cell", "table_cell_mu"}},
       {"FilmFringes", {"film_fringes"}},
+      {"FilmGaussian", {"film_gaussian_of"}},
       {"FilmBoundary", {"film_boundary_s", "film_boundary_p"}},
       {"WavelengthLobe", {"wavelength_lobe"}},
   };

@@ -158,7 +158,7 @@ TEST_F(parity_harness, an_altered_function_is_caught) {
       {"layers_chances", {"least = 0.05f", "least = 0.06f"}},
       {"table_ggx", {"index & 255", "index & 127"}},  // a texel of the tables
       // What is absent from a surface without lobes, and would be 0 by good luck.
-      {"surface_albedo", {"if (s.lobes != 0) return layers_albedo", "return layers_albedo"}},
+      {"surface_albedo", {"if (SHADE_LOBES(s) != 0) return layers_albedo", "return layers_albedo"}},
   };
   for (const auto& [name, alteration] : mutants) {
     const Function* function = find_function(name);

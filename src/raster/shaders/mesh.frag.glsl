@@ -64,8 +64,8 @@ const float kMostHalf = 65504.0;
 #include "mesh_point.glsl"
 #include "mesh_material.glsl"
 #include "mesh_far_light.glsl"
-#ifdef HAS_AREAS
-#include "mesh_areas.glsl"
+#ifdef HAS_LIGHTS
+#include "mesh_lamps.glsl"
 #endif
 #ifdef IS_SCATTERING
 #include "mesh_scattering.glsl"
@@ -138,9 +138,6 @@ vec4 shaded() {
   vec3 wo = h.wo;
   SurfaceShares shares = surface_shares(s, wo);
   vec3 color = far_light(p, h.params, s, shares, wo, frame);
-#ifdef HAS_AREAS
-  color += part(kDirectPart) * area_light(p, s, shares, wo, frame);
-#endif
 #ifdef IS_SCATTERING
 #ifdef HAS_SCATTERING
   o_scattered = vec4(scattered_light(p, shares), dot(eye - v_position, back));
@@ -150,22 +147,7 @@ vec4 shaded() {
 #endif
 #endif
 #ifdef HAS_LIGHTS
-  for (int i = 0; i < light_count; ++i) {
-    if (shown_light >= 0 && shown_light != i) continue;
-    vec3 wi;
-    vec3 e = light_arriving(lights[i], v_position, wi);
-    bool is_outside = dot(p.vertex_normal, wi) > 0.0;
-    vec3 local = wi * frame;
-#ifdef IS_SCATTERING
-    if (local.z <= 0.0) continue;  // what comes through it has spread
-#endif
-    // Light from one side reaches the other only through a surface that scatters through.
-    if (is_outside != (local.z > 0.0) || shade_max3(e) <= 0.0) continue;
-    vec3 value = surface_eval(s, wo, local).value;
-    if (shade_max3(value) <= 0.0) continue;
-    color += part(kDirectPart) * value * e *
-             light_shadow(lights[i], v_position, is_outside ? p.vertex_normal : -p.vertex_normal, wi);
-  }
+  color += part(kDirectPart) * direct_light(p, s, shares, wo, frame);
 #endif
 #ifdef IS_EMISSIVE
   color += part(kEmissionPart) * emitted_light(s);

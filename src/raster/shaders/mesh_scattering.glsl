@@ -12,7 +12,7 @@ vec3 scattered_light(Point p, SurfaceShares shares) {
 #else
   vec3 arriving = vec3(0.0);
 #endif
-#ifdef HAS_LIGHTS
+#ifdef HAS_PUNCTUAL
   for (int i = 0; i < light_count; ++i) {
     if (shown_light >= 0 && shown_light != i) continue;
     vec3 wi;

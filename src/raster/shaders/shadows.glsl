@@ -72,7 +72,7 @@ float shadow_penumbra(int layer, int map, vec3 at, vec2 tilt, float receiver, fl
   search = clamp(search, kLeastSearch / size, kWidestFilter);
   float slack = kSoftSlack * shadow_slack(layer, at.z);
   float sum = 0.0, count = 0.0;
-  for (int i = 0; i < kSearchTaps; ++i) {
+  for (int i = 0; i < SHADE_TIMES(kSearchTaps); ++i) {
     vec2 offset = disc_point(i, kSearchTaps, turn) * search;
     float d = texture(shadow_depths, vec3(at.xy + offset, float(map))).x;
 #ifdef HAS_VEILS
@@ -97,7 +97,7 @@ float shadow_softly(int layer, vec3 at, vec2 tilt, float radius) {
   penumbra = clamp(penumbra, 1.0 / size, kWidestFilter);
   float slack = kSoftSlack * shadow_slack(layer, at.z);
   float sum = 0.0;
-  for (int i = 0; i < kFilterTaps; ++i) {
+  for (int i = 0; i < SHADE_TIMES(kFilterTaps); ++i) {
     vec2 offset = disc_point(i, kFilterTaps, turn) * penumbra;
     sum += texture(shadow_maps, vec4(at.xy + offset, float(layer), at.z + dot(tilt, offset) + slack));
   }
@@ -124,7 +124,7 @@ float veil_passing(int layer, vec3 at) {
   vec3 wx = vec3(0.25 - 0.5 * off.x, 0.5, 0.25 + 0.5 * off.x), wy = vec3(0.25 - 0.5 * off.y, 0.5, 0.25 + 0.5 * off.y);
   float z = at.z + shadow_slack(layer, at.z);
   float sum = 0.0;
-  for (int i = 0; i < 9; ++i) {
+  for (int i = 0; i < SHADE_TIMES(9); ++i) {
     sum += wx[i % 3] * wy[i / 3] * veil_at(layer, texel + ivec2(i % 3 - 1, i / 3 - 1), z);
   }
   return sum;
@@ -139,7 +139,7 @@ float veil_softly(int layer, vec3 at, vec2 tilt, float radius) {
   penumbra = clamp(penumbra, 1.0 / float(size.x), kWidestFilter);
   float slack = kSoftSlack * shadow_slack(layer, at.z);
   float sum = 0.0;
-  for (int i = 0; i < kFilterTaps; ++i) {
+  for (int i = 0; i < SHADE_TIMES(kFilterTaps); ++i) {
     vec2 offset = disc_point(i, kFilterTaps, turn) * penumbra;
     sum += veil_at(layer, ivec2(floor((at.xy + offset) * vec2(size.xy))), at.z + dot(tilt, offset) + slack);
   }
