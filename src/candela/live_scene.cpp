@@ -244,7 +244,7 @@ void LiveScene::Moment::choose_view(Diagnostics* diagnostics, std::string& camer
   const auto warn = [&](const std::string& message) {
     if (diagnostics != nullptr) diagnostics->warn(message, scene_->name);
   };
-  const auto emptiness = find_emptiness(*scene_);
+  const auto emptiness = find_emptiness(*scene_, std::min(shot_.size.x, shot_.size.y));
   const bool is_empty = emptiness && world_bounds(*scene_).empty();
   std::optional<std::size_t> camera_node;
   if (shot_.camera) {

@@ -118,7 +118,7 @@ std::vector<PictureLabel> Take::labels() const {
 /// Which camera of the scene is looked through where none is asked for, and a word on cameras and framings that show
 /// nothing.
 void Take::choose_camera() {
-  const auto emptiness = find_emptiness(*scene_);
+  const auto emptiness = find_emptiness(*scene_, std::min(shot_.size.x, shot_.size.y));
   const bool is_empty = emptiness && world_bounds(*scene_).empty();
   if (shot_.camera) {
     if (!is_empty && !sees_something(*scene_, scene_camera(*scene_, *shot_.camera, aspect_of(shot_)))) {
@@ -285,7 +285,7 @@ void Take::prepare_beside(Take& reference) {
   reference.choose_light(default_environment(*reference.scene_));
   choose_light(default_environment(*reference.scene_));
   reference.choose_camera();
-  const auto emptiness = find_emptiness(*scene_);
+  const auto emptiness = find_emptiness(*scene_, std::min(shot_.size.x, shot_.size.y));
   if (emptiness && frames_subject(shot_, reference.camera_node_)) warn(emptiness->message);
   Extent both = reference.extent_of_all(*reference.scene_);
   both.add(extent_of_all(*scene_));

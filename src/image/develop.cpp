@@ -178,6 +178,12 @@ std::optional<float> exposure_of_camera(std::string_view text) {
 
 // ----- metering
 
+// Six stops below the bright tenth of a picture things are as good as black, and soon count as little: a backdrop that
+// lamps in real units do not light, and how little light arrives in shadows, which approximations differ in most.
+constexpr double kLeastSeen = 1.0 / 64.0;
+// What the bright tenth is exposed to at most, middle grey being 0.18: tone curves are white a little above it.
+constexpr double kMostBright = 1.7;
+
 struct MeterPixel {
   float luminance;
   float weight;
@@ -217,7 +223,7 @@ float metered_exposure(const Film& film) {
   const std::vector<MeterPixel> lit = lit_pixels(film.beauty);
   if (lit.empty()) return 1.0f;
 
-  // ----- limits of the darkest and brightest 1 %
+  // ----- limits of the darkest and brightest 1 %, and of the bright tenth
   std::vector<float> sorted(lit.size());
   std::transform(lit.begin(), lit.end(), sorted.begin(), [](MeterPixel p) { return p.luminance; });
   const std::size_t trimmed = lit.size() / 100;
@@ -227,15 +233,20 @@ float metered_exposure(const Film& film) {
   const float darkest = *low;
   std::nth_element(low, high, sorted.end());
   const float brightest = *high;
+  const auto tenth = sorted.begin() + static_cast<std::ptrdiff_t>((lit.size() - 1) * 9 / 10);
+  std::nth_element(low, tenth, high);
+  const auto bright = static_cast<double>(*tenth);
 
   // ----- log average; pixels equal to a limit stay, so that a flat picture keeps its pixels
   double sum = 0.0, weight = 0.0;
   for (const MeterPixel& p : lit) {
     if (p.luminance < darkest || p.luminance > brightest) continue;
-    sum += static_cast<double>(p.weight) * static_cast<double>(std::log2(p.luminance));
-    weight += static_cast<double>(p.weight);
+    const double share = std::min(static_cast<double>(p.luminance) / (kLeastSeen * bright), 1.0);
+    const double w = static_cast<double>(p.weight) * share * share;
+    sum += w * static_cast<double>(std::log2(p.luminance));
+    weight += w;
   }
-  const double exposure = 0.18 * std::exp2(-sum / weight);
+  const double exposure = std::min(0.18 * std::exp2(-sum / weight), kMostBright / bright);
   return static_cast<float>(std::clamp(exposure, 1e-30, 1e30));
 }
 

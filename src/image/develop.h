@@ -60,7 +60,9 @@ struct DevelopSettings {
 std::optional<float> parse_exposure(std::string_view text);
 
 /// 0.18 over the log-average luminance (Reinhard 2002 "Photographic tone reproduction", eq. 1 and 2), weighted by
-/// alpha, black pixels left out, the brightest and darkest 1 % of pixels left out; 1 for an all-black picture.
+/// alpha, the brightest and darkest 1 % of pixels left out; 1 for an all-black picture. Of what is lit, the tenth that
+/// is brightest says what else is seen: pixels that are darker than it by more than six stops count by the square of
+/// how much, black ones not at all; and it is never exposed to more than 1.7, so that at most a tenth is white.
 float metered_exposure(const Film& film);
 
 /// What a display shows of light, from 0 (black) to 1 (white), by channel: exposure, tone curve, sRGB encoding.

@@ -11,7 +11,7 @@ Camera::Camera(const View& view, int width, int height)
       eye_(view.world_from_camera[3]),
       lens_(view.lens),
       film_size_(width, height),
-      near_(view.near_plane),
+      near_(start_of_rays(view)),
       far_(view.far_plane),
       is_clipped_(view.is_clipped()) {
   const float aspect = film_size_.x / film_size_.y;

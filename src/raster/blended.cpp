@@ -152,7 +152,7 @@ void Renderer::find_depth_layers(const std::vector<std::size_t>& transmissive, c
                                  const FrameCamera& camera) {
   slice_count_ = 0;
   has_glass_before_blended_ = false;
-  if (is_of_surface(settings_.quantity) || (blended.empty() && body_ < 0)) return;
+  if (is_of_surface(settings_.quantity) || (blended.empty() && !body_)) return;
   make_depth_layers();
   glClearDepthf(1.0f);
   std::vector<std::size_t> blended_glass;
@@ -165,7 +165,7 @@ void Renderer::find_depth_layers(const std::vector<std::size_t>& transmissive, c
     draw_depth(transmissive, camera, true);
     draw_layer(blended_glass, camera.clip_from_world, DepthPass::first_layer, GL_BACK);
   }
-  if (body_ >= 0) {
+  if (body_) {
     std::vector<std::size_t> boundary;
     for (std::size_t i = 0; i < gpu_.draws().size(); ++i) {
       if (gpu_.material_of(gpu_.draws()[i]).key.has_body) boundary.push_back(i);

@@ -33,22 +33,22 @@ struct Part {
   double own = 0.0, all = 0.0;
   double most = 0.0;  ///< by one primitive of a body's material
   int material = -1;
-  float size = 0.0f;
+  Box3 bounds;
+
+  float size() const { return glm::length(bounds.size()); }
 };
 
 Part make_part(const Scene& scene, const Node& node, vec3 point) {
   Part part;
-  Box3 bounds;
   for (const Primitive& p : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
     const double w = winding(p, node.world_from_node, point);
     part.all += w;
-    for (const vec3& at : p.positions) bounds.extend(transform_point(node.world_from_node, at));
+    for (const vec3& at : p.positions) part.bounds.extend(transform_point(node.world_from_node, at));
     if (!bounds_a_body(scene.materials[static_cast<std::size_t>(p.material)])) continue;
     part.own += w;
     if (part.material >= 0 && w <= part.most) continue;
     part.material = p.material, part.most = w;
   }
-  part.size = glm::length(bounds.size());
   return part;
 }
 
@@ -66,8 +66,8 @@ bool bounds_a_body(const Material& material) {
   return material.transmission > 0.0f && material.has_volume() && !material.unlit;
 }
 
-int body_around(const Scene& scene, vec3 point) {
-  if (std::none_of(scene.materials.begin(), scene.materials.end(), bounds_a_body)) return -1;
+std::optional<Body> body_around(const Scene& scene, vec3 point) {
+  if (std::none_of(scene.materials.begin(), scene.materials.end(), bounds_a_body)) return std::nullopt;
   std::vector<const Node*> nodes;
   Box3 bounds;
   for (const Node& node : scene.nodes) {
@@ -79,7 +79,7 @@ int body_around(const Scene& scene, vec3 point) {
   }
   const bool is_near = !bounds.empty() && glm::all(glm::greaterThanEqual(point, bounds.lower)) &&
                        glm::all(glm::lessThanEqual(point, bounds.upper));
-  if (!is_near) return -1;
+  if (!is_near) return std::nullopt;
 
   double own = 0.0, all = 0.0;
   std::vector<Part> parts;
@@ -87,17 +87,16 @@ int body_around(const Scene& scene, vec3 point) {
     const Part& part = parts.emplace_back(make_part(scene, *node, point));
     own += part.own, all += part.all;
   }
-  if (own < kLeastOwn || all < kInside) return -1;
+  if (own < kLeastOwn || all < kInside) return std::nullopt;
   // The innermost of those that are closed by themselves, else what closes most.
   const Part* best = nullptr;
   for (const Part& part : parts) {
     const bool is_closed = part.all >= kInside && part.own >= kLeastOwn;
-    if (is_closed && (best == nullptr || part.size < best->size)) best = &part;
+    if (is_closed && (best == nullptr || part.size() < best->size())) best = &part;
   }
-  if (best == nullptr) {
-    best = &*std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.own < b.own; });
-  }
-  return best->material;
+  if (best != nullptr) return Body{best->material, best->bounds};
+  best = &*std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.own < b.own; });
+  return Body{best->material, bounds};
 }
 
 }  // namespace candela::raster

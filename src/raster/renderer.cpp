@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "raster/body.h"
 #include "raster/cube_texture.h"
 #include "raster/targets.h"
 #include "scene/surface_params.h"
@@ -257,7 +256,8 @@ bool Renderer::has_extended_lights() const {
 void Renderer::begin(const View& view, LightPoint point) {
   gpu_.set_texture_anisotropy(texture_anisotropy(settings_));
   gpu_.set_origin(*scene_, vec3(view.world_from_camera[3]));
-  const View placed = relative(view);
+  View placed = relative(view);
+  placed.near_plane = rays_start_ = start_of_rays(view);
   range_ =
       seen_range(*scene_, gpu_, placed, static_cast<float>(settings_.width) / static_cast<float>(settings_.height));
   const FrameCamera camera = frame_camera(placed, settings_.width, settings_.height, range_);
@@ -265,9 +265,7 @@ void Renderer::begin(const View& view, LightPoint point) {
   Diagnostics& diagnostics = is_begun_ ? told_ : diagnostics_;
   is_begun_ = true;
   is_moved_light_ = point != LightPoint(0.5f);
-  // Of a view with a near plane the middle of what it shows of it.
-  const vec3 eye = transform_point(view.world_from_camera, vec3(0.0f, 0.0f, -view.near_plane));
-  body_ = camera.is_perspective ? body_around(*scene_, eye) : -1;
+  body_ = body_around(*scene_, transform_point(view.world_from_camera, vec3(0.0f, 0.0f, -rays_start_)));
   const float radius = settings_.has_soft_shadows ? settings_.light_radius : 0.0f;
   lights_ = collect_lights(*scene_, *environment_, gpu_, camera, settings_.has_soft_shadows ? point : LightPoint(0.5f),
                            radius, shadow_views(areas_), diagnostics);
@@ -346,11 +344,17 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
                 slice_.w);
   }
   if (pass.is_in_body) {
-    const Material& body = scene_->materials[static_cast<std::size_t>(body_)];
+    const Material& body = scene_->materials[static_cast<std::size_t>(body_->material)];
     const vec3 extinction = volume_extinction(body);
     glUniform3fv(program.uniform("body_extinction"), 1, &extinction.x);
     const float index = std::max(body.ior, 1.0f);
     glUniform1f(program.uniform("body_share"), 1.0f / (index * index));
+    // Rays start a hair away from a face that they start on.
+    const vec3 margin = 1e-4f * body_->bounds.size();
+    const vec3 low = body_->bounds.lower - gpu_.origin() - margin, high = body_->bounds.upper - gpu_.origin() + margin;
+    glUniform3fv(program.uniform("body_low"), 1, &low.x);
+    glUniform3fv(program.uniform("body_high"), 1, &high.x);
+    glUniform1f(program.uniform("rays_start"), rays_start_);
   }
   gpu_.bind_material(material, program);
   if (pass.is_map) {
@@ -364,7 +368,7 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
 
 /// In a body the eye sees its boundary from behind; glTF: doubleSided does not matter to it.
 bool Renderer::has_both_sides(const GpuMaterial& material) const {
-  return material.is_double_sided || (body_ >= 0 && material.key.has_body);
+  return material.is_double_sided || (body_ && material.key.has_body);
 }
 
 /// Depth alone; masks and blended surfaces are cut out or left out.
@@ -484,9 +488,9 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture, int frame) {
   draw_ground_depth(camera);
 
   PassKey pass;
-  pass.has_lights = lights_.count + lights_.area_count > 0;
+  pass.has_lights = lights_.count > 0;
   pass.has_veils = has_veils_;
-  pass.is_in_body = body_ >= 0;
+  pass.is_in_body = body_.has_value();
   pass.blend_part = BlendPart::opaque;
   if (is_of_surface(settings_.quantity)) {
     draw_quantity(settings_.quantity, camera);
@@ -550,7 +554,7 @@ void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
   std::vector<std::size_t> all(gpu_.draws().size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
   PassKey pass;
-  pass.has_lights = lights_.count + lights_.area_count > 0;
+  pass.has_lights = lights_.count > 0;
   pass.quantity = quantity;
   if (quantity == Quantity::overdraw) {
     glDisable(GL_DEPTH_TEST);

@@ -2,11 +2,13 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
 #include "image/develop.h"
 #include "raster/areas.h"
+#include "raster/body.h"
 #include "raster/camera.h"
 #include "raster/depth_range.h"
 #include "raster/gpu_scene.h"
@@ -172,7 +174,8 @@ class Renderer {
   std::array<gl::Renderbuffer, 2> scattered_samples_;
   std::array<gl::Framebuffer, 2> scattered_framebuffer_;
   bool has_veils_ = false;                 ///< blended surfaces dim the lamps of the frame
-  int body_ = -1;                          ///< the material of the body that the eye is in
+  std::optional<Body> body_;               ///< that the eye is in
+  float rays_start_ = 0.0f;                ///< along the view, see start_of_rays()
   int slice_count_ = 0;                    ///< of the frame's blended surfaces
   bool is_slice_deep_ = false;             ///< several surfaces may lie in the slice that is drawn
   bool has_glass_before_blended_ = false;  ///< or behind it

@@ -94,6 +94,14 @@ View look_at(vec3 eye, vec3 target, float yfov) {
   return view;
 }
 
+float start_of_rays(const View& view) {
+  constexpr float kHair = 0x1p-21f;  // of coordinates: some roundings
+  if (view.near_plane <= 0.0f) return 0.0f;
+  const vec3 eye(view.world_from_camera[3]);
+  const float start = view.near_plane + kHair * (max_component(glm::abs(eye)) + view.near_plane);
+  return std::min(start, 0.5f * (view.near_plane + view.far_plane));
+}
+
 View scene_camera(const Scene& scene, const std::string& number_or_name, float aspect) {
   const Node* const node = find_camera_node(scene, number_or_name);
   if (node == nullptr) {

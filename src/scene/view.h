@@ -28,6 +28,10 @@ struct View {
   bool is_clipped() const { return near_plane > 0.0f || far_plane < kInfinity; }
 };
 
+/// How far along -z the rays of a view start: at the near plane, which takes away all that lies before it, matter as
+/// well as surfaces. A hair beyond, so that what lies in the plane is away for every ray, however it is rounded.
+float start_of_rays(const View& view);
+
 /// What a camera ray sees that hits nothing, or nothing but glass that it passes. A plain colour is `transparent` with
 /// DevelopSettings::background.
 enum class Background { environment, transparent };

@@ -97,16 +97,42 @@ void for_each_placed(const Scene& scene, const F& f) {
   }
 }
 
-double surface_area(const Scene& scene) {
+/// Whether all surfaces together have so much area.
+bool has_area(const Scene& scene, double least) {
   double area = 0.0;
   for_each_placed(scene, [&](std::size_t, const mat4& world, const Primitive& p) {
     for (const uvec3& t : p.triangles) {
+      if (area >= least) return;
       const dvec3 a(transform_point(world, p.positions[t.x])), b(transform_point(world, p.positions[t.y])),
           c(transform_point(world, p.positions[t.z]));
       area += 0.5 * glm::length(glm::cross(b - a, c - a));
     }
   });
-  return area;
+  return area >= least;
+}
+
+/// The vertex that is farthest from a point, and its node.
+struct FarVertex {
+  vec3 position{0.0f};
+  float distance = -1.0f;
+  std::size_t node = 0;
+};
+
+FarVertex farthest_from(const Scene& scene, vec3 point) {
+  FarVertex far;
+  for_each_placed(scene, [&](std::size_t node, const mat4& world, const Primitive& p) {
+    for (const vec3 local : p.positions) {
+      const vec3 position = transform_point(world, local);
+      const float distance = glm::length(position - point);
+      if (distance > far.distance) far = {position, distance, node};
+    }
+  });
+  return far;
+}
+
+std::string node_text(const Scene& scene, std::size_t node) {
+  const std::string& name = scene.nodes[node].name;
+  return fmt::format("node {}{}", number_of(scene.nodes, node), name.empty() ? "" : fmt::format(" '{}'", name));
 }
 
 /// Vertices, one in so many where there are very many.
@@ -124,14 +150,14 @@ std::vector<vec3> sample_vertices(const Scene& scene) {
   return points;
 }
 
-std::optional<Diagnostic> find_far_vertex(const Scene& scene, const Box3& bounds) {
+/// A few vertices far from nearly all others.
+std::optional<Diagnostic> find_far_vertex(const Scene& scene, float whole) {
   // Framed, nine tenths of the vertices are less than a hundredth of the picture wide, and all surfaces together less
   // than a two-hundredth part of it: a dot with a hairline to the stray. A floor as wide as that is something to see.
   constexpr float kSmall = 0.01f;
   constexpr double kLeastShare = 5e-3;
-  const float whole = glm::length(bounds.size());
   std::vector<vec3> points = sample_vertices(scene);
-  if (points.empty() || !(whole > 0.0f)) return std::nullopt;
+  if (points.empty()) return std::nullopt;
   vec3 middle;
   std::vector<float> values(points.size());
   for (int axis = 0; axis < 3; ++axis) {
@@ -141,22 +167,29 @@ std::optional<Diagnostic> find_far_vertex(const Scene& scene, const Box3& bounds
   for (std::size_t i = 0; i < points.size(); ++i) values[i] = glm::length(points[i] - middle);
   const float most = component_quantile(values, 0.9);
   if (2.0f * most >= kSmall * whole) return std::nullopt;
-  if (surface_area(scene) >= kLeastShare * static_cast<double>(whole) * static_cast<double>(whole)) return std::nullopt;
+  if (has_area(scene, kLeastShare * static_cast<double>(whole) * static_cast<double>(whole))) return std::nullopt;
 
-  float farthest = -1.0f;
-  std::size_t at = 0;
-  for_each_placed(scene, [&](std::size_t node, const mat4& world, const Primitive& p) {
-    for (const vec3 position : p.positions) {
-      const float distance = glm::length(transform_point(world, position) - middle);
-      if (distance > farthest) farthest = distance, at = node;
-    }
-  });
-  const std::string& name = scene.nodes[at].name;
-  return Diagnostic{
-      fmt::format("node {}{} has a vertex {:.3g} m from the rest, nine tenths of which lie within {:.3g} m: "
-                  "framed as a whole, the scene shows next to nothing",
-                  number_of(scene.nodes, at), name.empty() ? "" : fmt::format(" '{}'", name), farthest, most),
-      {}};
+  const FarVertex far = farthest_from(scene, middle);
+  return Diagnostic{fmt::format("{} has a vertex {:.3g} m from the rest, nine tenths of which lie within {:.3g} m: "
+                                "framed as a whole, the scene shows next to nothing",
+                                node_text(scene, far.node), far.distance, most),
+                    {}};
+}
+
+/// Things so far apart that each is a dot, whichever of them are more.
+std::optional<Diagnostic> find_far_things(const Scene& scene, float whole, int picture_size) {
+  constexpr int kLeastSize = 240;  // a thumbnail shows no wires either, which are no oddity
+  const double pixel = static_cast<double>(whole) / static_cast<double>(std::max(picture_size, kLeastSize));
+  if (has_area(scene, pixel * pixel)) return std::nullopt;
+  const FarVertex one = farthest_from(scene, world_bounds(scene).center());
+  const FarVertex other = farthest_from(scene, one.position);
+  const std::string who = one.node == other.node ? "vertices of " + node_text(scene, one.node)
+                                                 : node_text(scene, std::min(one.node, other.node)) + " and " +
+                                                       node_text(scene, std::max(one.node, other.node));
+  return Diagnostic{fmt::format("{} lie {:.3g} m apart, beside which all surfaces together are smaller than a pixel: "
+                                "framed as a whole, the scene shows nothing",
+                                who, other.distance),
+                    {}};
 }
 
 }  // namespace
@@ -175,9 +208,14 @@ bool sees_something(const Scene& scene, const View& view) {
   });
 }
 
-std::optional<Diagnostic> find_emptiness(const Scene& scene) {
+std::optional<Diagnostic> find_emptiness(const Scene& scene, int picture_size) {
   const Box3 bounds = world_bounds(scene);
-  if (!bounds.empty()) return find_far_vertex(scene, bounds);
+  if (!bounds.empty()) {
+    const float whole = glm::length(bounds.size());
+    if (!(whole > 0.0f)) return std::nullopt;
+    const auto far = find_far_vertex(scene, whole);
+    return far ? far : find_far_things(scene, whole, picture_size);
+  }
   const bool is_hidden =
       std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.is_hidden; });
   if (is_hidden) return Diagnostic{"nothing in the scene that is not hidden has a mesh", {}};

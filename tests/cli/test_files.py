@@ -110,6 +110,24 @@ class Files(CliTest):
                     self.succeeds("render", "a.gltf", *out, "--exposure", "0", "-o", "b.png")
                     self.assertGreater(self.share_of_white("b.png"), 0.5, "an exposure that is asked for is obeyed")
 
+    def test_a_backdrop_that_lamps_do_not_light_does_not_make_what_they_light_white(self):
+        # A box on a floor, seen before the studio, which is a thousandth as bright.
+        for intensity in (3e3, 6830, 1e5, 1e6):
+            asset = self.lit_by({"type": "directional", "intensity": intensity})
+            asset.json["nodes"][-1]["rotation"] = [-0.7071068, 0, 0, 0.7071068]
+            asset.cube(asset.material(pbr((0.7, 0.2, 0.1))))
+            self.write(asset)
+            for env in ("studio", "none"):
+                means = []
+                for engine in ENGINES:
+                    with self.subTest(intensity, env=env, engine=engine):
+                        out = ("--engine", engine, "--size", "48x36", "--spp", "16", "-q", "--env", env, "--orbit", "20,25,1")
+                        self.succeeds("render", "a.gltf", *out, "-o", "a.png")
+                        self.assertLess(self.share_of_white("a.png"), 0.05)
+                        *_, rows = png_pixels(self.folder / "a.png")
+                        means.append(sum(map(sum, rows)))
+                self.assertAlmostEqual(means[0] / means[1], 1.0, delta=0.2, msg=f"{intensity}, {env}")
+
     def test_lamps_that_give_next_to_nothing_keep_the_studios_exposure(self):
         out = (*TINY, "-q", "--orbit", "0,45,0.5")
         for light in (None, {"type": "point", "intensity": 1e-4}):
@@ -179,6 +197,21 @@ class Files(CliTest):
         self.assertIn("node 0 has a vertex 1e+06 m from the rest", told[0])
         self.assertEqual(self.warnings("render", "a.gltf", *TINY, "--eye", "0,0,5", "-o", "a.png"), [])
         self.assertIn("1e+06 m from the rest", json.loads(self.succeeds("info", "a.gltf", "--json").out)["warnings"][0])
+        self.assertRegex(self.succeeds("check", "a.gltf").out, "warning +vertex-far-out ")
+
+    def test_things_too_far_apart_to_be_seen_are_told_where_the_scene_is_framed(self):
+        asset = Asset()
+        asset.cube(asset.material(pbr()))
+        asset.json["nodes"].append({"mesh": 0, "translation": [1e6, 0, 0]})
+        asset.json["scenes"][0]["nodes"].append(len(asset.json["nodes"]) - 1)
+        self.write(asset)
+        says = "node 0 and node 1 lie 1e+06 m apart"
+        for engine in ("path", "raster"):
+            told = self.warnings("render", "a.gltf", *TINY, "--engine", engine, "-o", "a.png")
+            self.assertEqual(len(told), 1, told)
+            self.assertIn(says, told[0])
+        self.assertEqual(self.warnings("render", "a.gltf", *TINY, "--eye", "0,0,5", "-o", "a.png"), [])
+        self.assertIn(says, json.loads(self.succeeds("info", "a.gltf", "--json").out)["warnings"][0])
         self.assertRegex(self.succeeds("check", "a.gltf").out, "warning +vertex-far-out ")
 
     def test_meshes_of_points_and_no_meshes_are_told_apart(self):

@@ -457,17 +457,47 @@ TEST_F(law_raster, planes_of_a_camera_cut_what_it_sees_as_in_the_path_tracer) {
   }
 }
 
+// Matter counts from the near plane on, in both engines: that which lies before it is cut away.
 TEST_F(law_raster, an_eye_whose_near_plane_is_in_a_body_begins_there) {
   Material glass = plastic(vec3(1.0f), 0.0f);
-  glass.transmission = 1.0f, glass.thickness = 1.0f, glass.ior = 1.0f;
+  glass.transmission = 1.0f, glass.thickness = 4.0f, glass.ior = 1.0f;
   glass.attenuation_color = {0.2f, 0.5f, 0.8f}, glass.attenuation_distance = 1.0f;
   SceneBuilder b;
   b.add(box(vec3(-2.0f), vec3(2.0f)), glass);
-  View view = look_at({0, 0, 5}, vec3(0.0f), 0.4f);
-  view.near_plane = 4.0f;  // a metre within
-  const Film seen = shoot(b.build(), constant_environment(vec3(1.0f)), view, centred(8, 1, 8));
-  const vec3 middle = seen.beauty.rgb(4, 4);
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(middle[c], std::pow(glass.attenuation_color[c], 3.0f), 0.02f);
+  const Scene scene = b.build();
+  const Environment white = constant_environment(vec3(1.0f));
+  View perspective = look_at({0, 0, 5}, vec3(0.0f), 0.1f), orthographic = perspective;
+  orthographic.projection = OrthographicCamera{.xmag = 0.3f, .ymag = 0.3f};
+  View inside = look_at({0, 0, 1}, vec3(0.0f), 0.1f), inside_orthographic = inside;
+  inside_orthographic.projection = orthographic.projection;
+  struct Case {
+    const char* name;
+    View view;
+    float near_plane, way;  // of what is left of the body
+  };
+  for (Case c : {Case{"outside, nothing cut", perspective, 2.5f, 4.0f},
+                 {"on the front face", perspective, 3.0f, 4.0f},
+                 {"just within", perspective, 3.01f, 3.99f},
+                 {"a metre within", perspective, 4.0f, 3.0f},
+                 {"nearly through", perspective, 6.9f, 0.1f},
+                 {"beyond", perspective, 7.5f, 0.0f},
+                 {"orthographic, outside", orthographic, 2.5f, 4.0f},
+                 {"orthographic, on the front face", orthographic, 3.0f, 4.0f},
+                 {"orthographic, a metre within", orthographic, 4.0f, 3.0f},
+                 {"orthographic, beyond", orthographic, 7.5f, 0.0f},
+                 {"eye inside", inside, 0.0f, 3.0f},
+                 {"eye inside, cut", inside, 1.0f, 2.0f},
+                 {"eye inside, orthographic", inside_orthographic, 0.0f, 3.0f},
+                 {"eye inside, orthographic, cut", inside_orthographic, 1.0f, 2.0f}}) {
+    c.view.near_plane = c.near_plane;
+    const vec3 traced = shoot(scene, white, c.view, centred(8, 1, 8)).beauty.rgb(4, 4);
+    const vec3 found = draw(scene, white, c.view, drawn(8)).beauty.rgb(4, 4);
+    for (int i = 0; i < 3; ++i) {
+      const float expected = std::pow(glass.attenuation_color[i], c.way);
+      EXPECT_NEAR(traced[i], expected, 0.01f) << c.name << ", path";
+      EXPECT_NEAR(found[i], expected, 0.01f) << c.name << ", raster";
+    }
+  }
 }
 
 TEST_F(law_raster, layers_are_those_of_the_path_tracer) {

@@ -449,16 +449,20 @@ TEST_F(law_raster_blended, layers_are_of_the_first_surface_that_is_at_least_half
 // ----- the eye in a body
 
 TEST_F(law_raster_blended, from_inside_a_body_absorbs_over_the_way_to_its_boundary) {
-  const View view = look_at(vec3(0.0f), {0, 0, -1}, 0.1f);
+  const View perspective = look_at(vec3(0.0f), {0, 0, -1}, 0.1f);
+  View orthographic = perspective;
+  orthographic.projection = OrthographicCamera{.xmag = 0.05f, .ymag = 0.05f};
+  View view = perspective;
   const Environment white = constant_environment(vec3(1.0f));
   const dvec3 metre(0.5, 1.0, 0.25);
   const Primitive cube = box(vec3(-1.0f), vec3(1.0f));
   const auto middle = [&](const SceneBuilder& b) {
     return mean_of(draw(b.build(), white, view, drawn(4)).beauty, {24, 24, 40, 40});
   };
-  for (const bool is_double_sided : {false, true}) {
+  for (const int kind : {0, 1, 2, 3}) {
     Material glass = clear_glass(2.0f);
-    glass.double_sided = is_double_sided;
+    glass.double_sided = kind % 2 == 1;
+    view = kind < 2 ? perspective : orthographic;
     SceneBuilder b;
     b.add(cube, glass);
     expect_near(middle(b), metre, 0.01, "a cube");
@@ -501,7 +505,21 @@ TEST_F(law_raster_blended, from_inside_a_body_absorbs_over_the_way_to_its_bounda
   SceneBuilder beside;
   beside.add(moved(cube, {3, 0, 0}), clear_glass(2.0f));
   beside.add(turned_inside_out(square({0, 0, -1}, 0.5f)), clear_glass(2.0f));
-  expect_near(middle(beside), dvec3(1.0), 1e-3, "beside it");
+  for (const View& each : {perspective, orthographic}) {
+    view = each;
+    expect_near(middle(beside), dvec3(1.0), 1e-3, "beside it");
+  }
+}
+
+TEST_F(law_raster_blended, an_orthographic_picture_wider_than_the_body_is_absorbed_where_the_body_is) {
+  SceneBuilder b;
+  b.add(box(vec3(-0.5f), vec3(0.5f)), clear_glass(2.0f));
+  b.add(square({0, 0, -3}, 4.0f), unlit(vec3(1.0f)));
+  View view = look_at(vec3(0.0f), {0, 0, -1}, 0.1f);
+  view.projection = OrthographicCamera{.xmag = 2.0f, .ymag = 2.0f};
+  const Image image = draw(b.build(), constant_environment(vec3(1.0f)), view, drawn(4)).beauty;
+  expect_near(mean_of(image, {28, 28, 36, 36}), glm::sqrt(dvec3(0.5, 1.0, 0.25)), 0.01, "through it");
+  expect_near(mean_of(image, {4, 4, 12, 60}), dvec3(1.0), 1e-3, "beside it");
 }
 
 // ----- the culled side

@@ -19,6 +19,11 @@ const float kLeastTangent2 = 1e-16;
 #include "mesh_relief.glsl"
 #endif
 
+/// Along the eye's ray.
+float distance_to_eye() {
+  return is_perspective > 0.5 ? distance(eye, v_position) : dot(eye - v_position, back);
+}
+
 Point make_point(bool is_back) {
   Point p;
   p.wo = is_perspective > 0.5 ? normalize(eye - v_position) : back;

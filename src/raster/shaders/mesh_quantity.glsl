@@ -18,7 +18,7 @@ vec4 quantity(float opacity) {
 #elif SHOW == SHOW_depth
   return vec4(vec3(dot(eye - v_position, back)), 1.0);
 #elif SHOW == SHOW_distance
-  return vec4(vec3(is_perspective > 0.5 ? distance(eye, v_position) : dot(eye - v_position, back)), 1.0);
+  return vec4(vec3(distance_to_eye()), 1.0);
 #elif SHOW == SHOW_id
   return vec4(vec3(object_id), 1.0);
 #elif SHOW == SHOW_normal

@@ -43,7 +43,7 @@ vec3 transmitted_light(Point p, SurfaceParams params, float alpha, out vec3 open
     vec3 outside = refract(-p.wo, p.normal, n);
     if (is_total(outside)) outside = -p.wo;
     float far_alpha = alpha * bend(n);
-    vec3 seen = behind(v_position + outside * distance(eye, v_position), outside, far_alpha, seen_open);
+    vec3 seen = behind(v_position + outside * distance_to_eye(), outside, far_alpha, seen_open);
     open = vec3(seen_open);
     return seen;
   }

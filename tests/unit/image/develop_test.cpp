@@ -359,6 +359,46 @@ TEST(unit_image_exposure, coverage_is_the_weight_and_does_not_darken) {
   EXPECT_NEAR(metered_exposure(film), 0.18f * std::exp2(-4.0f * 0.25f / 1.25f), 1e-5f);
 }
 
+/// `lit` tenths of it in the light.
+Film lit_before_backdrop(int lit, float light, float backdrop) {
+  Film film = flat_film(100, 20, vec3(backdrop));
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 10 * lit; ++x) film.beauty.set_rgb(x, y, vec3(light));
+  return film;
+}
+
+TEST(unit_image_exposure, what_lamps_light_is_metered_and_not_a_backdrop_that_they_do_not) {
+  for (const int lit : {2, 4, 7}) {
+    for (const float backdrop : {0.0f, 1e-6f, 1e-3f, 0.5f}) {
+      const float shown = 900.0f * metered_exposure(lit_before_backdrop(lit, 900.0f, backdrop));
+      EXPECT_NEAR(shown, 0.18f, 0.05f) << lit << " tenths before " << backdrop;
+    }
+  }
+  // Six stops are what a picture has: within them all counts alike.
+  const float even = metered_exposure(lit_before_backdrop(5, 32.0f, 0.5f));
+  EXPECT_NEAR(even, 0.18f / 4.0f, 1e-6f);
+}
+
+TEST(unit_image_exposure, more_light_never_makes_what_it_lights_darker_than_grey_nor_white) {
+  for (float light = 1.0f; light < 1e6f; light *= 2.0f) {
+    const float shown = light * metered_exposure(lit_before_backdrop(6, light, 0.5f));
+    EXPECT_GE(shown, 0.1799f) << light;
+    EXPECT_LE(shown, 1.0f) << light;
+  }
+}
+
+TEST(unit_image_exposure, at_most_a_tenth_of_what_is_lit_is_white) {
+  // Windows of a room: beyond a tenth of the picture it is exposed for them.
+  for (const float contrast : {10.0f, 100.0f, 1e4f}) {
+    const float shown = contrast * metered_exposure(lit_before_backdrop(2, contrast, 1.0f));
+    EXPECT_LE(shown, 1.7001f) << contrast;
+  }
+  Film small = flat_film(100, 20, vec3(1.0f));
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 5; ++x) small.beauty.set_rgb(x, y, vec3(1e4f));
+  EXPECT_GT(metered_exposure(small), 0.1f) << "a lamp that is seen does not darken its room";
+}
+
 TEST(unit_image_exposure, a_broken_pixel_does_not_break_the_meter) {
   Film film = flat_film(9, 9, vec3(1.0f));
   film.beauty.set_rgb(0, 0, vec3(std::nanf("")));

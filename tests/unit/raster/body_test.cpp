@@ -23,18 +23,22 @@ TEST(unit_raster_body, a_point_is_in_a_body_or_not) {
                            .meshes[static_cast<std::size_t>(b.scene().nodes[static_cast<std::size_t>(node)].mesh)]
                            .primitives[0]
                            .material;
-  EXPECT_EQ(body_around(b.build(), {2.3f, 0.2f, 0.1f}), material);
-  EXPECT_EQ(body_around(b.build(), {0.0f, 0.0f, 0.0f}), -1);
-  EXPECT_EQ(body_around(b.build(), {2.9f, 0.9f, 0.9f}), -1);  // in its box
+  const std::optional<Body> found = body_around(b.build(), {2.3f, 0.2f, 0.1f});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->material, material);
+  EXPECT_LT(glm::distance(found->bounds.center(), vec3(2, 0, 0)), 1e-3f);
+  EXPECT_NEAR(found->bounds.size().y, 2.0f, 0.2f);
+  EXPECT_FALSE(body_around(b.build(), {0.0f, 0.0f, 0.0f}));
+  EXPECT_FALSE(body_around(b.build(), {2.9f, 0.9f, 0.9f}));  // in its box
 }
 
 TEST(unit_raster_body, the_innermost_of_several_counts) {
   SceneBuilder b;
   b.add(sphere(vec3(0.0f), 2.0f, 2, false), water());
   const int inner = b.add(sphere(vec3(0.0f), 1.0f, 2, false), water());
-  EXPECT_EQ(body_around(b.build(), vec3(0.1f)),
+  EXPECT_EQ(body_around(b.build(), vec3(0.1f))->material,
             b.scene().meshes[static_cast<std::size_t>(inner)].primitives[0].material);
-  EXPECT_EQ(body_around(b.build(), {1.5f, 0, 0}), b.scene().meshes[0].primitives[0].material);
+  EXPECT_EQ(body_around(b.build(), {1.5f, 0, 0})->material, b.scene().meshes[0].primitives[0].material);
 }
 
 TEST(unit_raster_body, faces_of_other_materials_and_nodes_close_it_too) {
@@ -45,7 +49,9 @@ TEST(unit_raster_body, faces_of_other_materials_and_nodes_close_it_too) {
     face.triangles = {t};
     b.add(face, water());
   }
-  EXPECT_GE(body_around(b.build(), vec3(0.2f)), 0);
+  const std::optional<Body> of_faces = body_around(b.build(), vec3(0.2f));
+  ASSERT_TRUE(of_faces);
+  EXPECT_EQ(of_faces->bounds.size(), vec3(2.0f)) << "the box of all its faces";
 
   SceneBuilder lid;
   Primitive some = cube, rest = cube;
@@ -56,7 +62,7 @@ TEST(unit_raster_body, faces_of_other_materials_and_nodes_close_it_too) {
   rest.material = lid.add_material(matte(vec3(1.0f)));
   lid.scene().meshes[static_cast<std::size_t>(mesh)].primitives.push_back(rest);
   lid.add_node(mesh);
-  EXPECT_EQ(body_around(lid.build(), vec3(0.2f)), some.material);
+  EXPECT_EQ(body_around(lid.build(), vec3(0.2f))->material, some.material);
 }
 
 TEST(unit_raster_body, a_room_with_windows_is_none) {
@@ -66,7 +72,7 @@ TEST(unit_raster_body, a_room_with_windows_is_none) {
   pane.material = b.add_material(water());
   b.scene().meshes[static_cast<std::size_t>(mesh)].primitives.push_back(pane);
   b.add_node(mesh);
-  EXPECT_EQ(body_around(b.build(), vec3(0.0f)), -1);
+  EXPECT_FALSE(body_around(b.build(), vec3(0.0f)));
 }
 
 }  // namespace

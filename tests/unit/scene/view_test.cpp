@@ -68,6 +68,21 @@ TEST(unit_scene_view, framed_boxes_fill_the_picture_up_to_the_margin) {
   }
 }
 
+TEST(unit_scene_view, rays_start_a_hair_beyond_the_near_plane_and_before_the_far_one) {
+  View view = look_at(vec3(0, 0, 5), vec3(0), 1.0f);
+  EXPECT_EQ(start_of_rays(view), 0.0f);
+  for (const float far_away : {0.0f, 10.0f, 1e5f}) {
+    view.world_from_camera[3].x = far_away;
+    for (const float near : {1e-3f, 3.0f, 100.0f}) {
+      view.near_plane = near, view.far_plane = kInfinity;
+      EXPECT_GT(start_of_rays(view), near);
+      EXPECT_LE(start_of_rays(view), near + 1e-6f * (far_away + near + 5.0f));
+      view.far_plane = near * (1.0f + 0x1p-20f);
+      EXPECT_LE(start_of_rays(view), view.far_plane);
+    }
+  }
+}
+
 TEST(unit_scene_view, cameras_are_known_by_the_number_that_their_file_gives_them) {
   Scene scene;
   for (const int number : {2, 0}) {

@@ -114,6 +114,37 @@ TEST(unit_scene_visibility, a_vertex_far_out_that_leaves_nothing_to_see_is_found
   EXPECT_FALSE(find_emptiness(scene_of({cube(0.5f), cube(0.5f, vec3(300, 0, 0))})));
 }
 
+TEST(unit_scene_visibility, things_so_far_apart_that_none_covers_a_pixel_are_found) {
+  Scene scene = scene_of({cube(0.5f)});  // two of it, neither of which is the stray
+  scene.nodes.push_back(scene.nodes[0]);
+  scene.nodes[1].name = "far";
+  scene.nodes[1].world_from_node[3] = vec4(1e6f, 0, 0, 1);
+  const auto found = find_emptiness(scene);
+  ASSERT_TRUE(found);
+  EXPECT_NE(found->message.find("node 0 and node 1 'far' lie 1e+06 m apart"), std::string::npos) << found->message;
+  // Of one mesh, and as many as there are directions.
+  Scene one = scene_of({cube(0.5f)});
+  Primitive& p = one.meshes[0].primitives[0];
+  const std::size_t own = p.positions.size();
+  for (std::size_t i = 0; i < own; ++i) {
+    p.positions.push_back(p.positions[i] + vec3(0, 1e5f, 0));
+    p.normals.push_back(p.normals[i]);
+  }
+  const std::vector<uvec3> triangles = p.triangles;
+  for (const uvec3& t : triangles) p.triangles.push_back(t + static_cast<unsigned>(own));
+  ASSERT_TRUE(find_emptiness(one));
+  EXPECT_NE(find_emptiness(one)->message.find("vertices of node 0 lie 1e+05 m apart"), std::string::npos);
+  std::vector<Primitive> stars;
+  for (const vec3 at : {vec3(1e6f, 0, 0), vec3(-1e6f, 0, 0), vec3(0, 1e6f, 0), vec3(0, -1e6f, 0), vec3(0, 0, 1e6f)}) {
+    stars.push_back(cube(0.5f, at));
+  }
+  EXPECT_TRUE(find_emptiness(scene_of(stars)));
+  // Dots of some pixels are something to see, in a picture that has the pixels.
+  const Scene near = scene_of({cube(0.5f), cube(0.5f, vec3(1000, 0, 0))});
+  EXPECT_FALSE(find_emptiness(near));
+  EXPECT_TRUE(find_emptiness(near, 240));
+}
+
 TEST(unit_scene_visibility, what_is_empty_says_why) {
   Scene scene = scene_of({cube(0.5f)});
   scene.meshes[0].primitives.clear();
