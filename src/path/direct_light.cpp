@@ -87,13 +87,17 @@ DirectSample direct_sample(const PathContext& context, Ray ray, SobolSampler& sa
   const vec2 u_light = sampler.next_2d();
   const vec2 u_direction = sampler.next_2d();
   Crossing crossing;
+  vec3 start = ray.origin;
   for (int passed = 0; context.has_media; ++passed) {
     bool scattered = false;
-    if (passed > kMostPassed || !walk.travel(context, ray, hit, sampler, counts, scattered) || scattered) return sample;
+    if (passed > kMostPassed || !walk.travel(context, start, ray, hit, sampler, counts, scattered) || scattered) {
+      return sample;
+    }
     if (!hit) break;
     crossing = walk.find_crossing(context, hit, ray.direction, 0.5f);
     if (!crossing.is_hidden) break;
     walk.cross(crossing);
+    start = position_of(context.geometry, hit);
     ray = next_ray(ray, origin_beyond(context.geometry, hit, ray.direction), ray.direction, true);
     hit = first_visible_hit(context, ray, context.geometry.intersect(ray, sampler.next_hash()), counts);
   }
@@ -162,7 +166,7 @@ struct PixelSums {
 DirectLight trace_direct_light(const Tracer& tracer, const View& view, const Settings& settings, const Job& job) {
   check(settings, view);
   const Tracer::Parts& parts = *tracer.parts_;
-  const Camera camera(view, settings.width, settings.height);
+  const Camera camera(relative(view, parts.geometry.origin()), settings.width, settings.height);
   PathContext context{.geometry = parts.geometry, .lights = parts.lights, .has_media = parts.geometry.has_media()};
   find_start(camera, context);
   const PixelFilterSampler filter(settings.filter, settings.filter_radius);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <map>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/large_pages.h"
@@ -29,6 +31,9 @@ struct QueryContext {
   vec3 direction{0.0f};
   vec3 transmittance{1.0f};               ///< so far
   std::span<const Hit> passed;            ///< what is not met again
+  RTCFilterFunctionN filter = nullptr;    ///< what else a query around a hit asks
+  const Hit* met = nullptr;               ///< that hit
+  Hit* front = nullptr;                   ///< what is in front of all that is found in its plane
   std::vector<Hit>* collected = nullptr;  ///< of queries that go on after every hit
 };
 
@@ -112,6 +117,46 @@ void filter_passed(const RTCFilterFunctionNArguments* arguments) {
   for (const Hit& passed : context.passed) {
     if (is_one_surface(*context.geometry, passed, hit, context.direction)) arguments->valid[0] = 0;
   }
+}
+
+/// Which of the surfaces in one plane a ray meets: no back that the eye looks through; the ground under all others;
+/// over the rest what shows what is behind it, as the rasterizer draws it; of two alike the one that comes later in the
+/// scene.
+auto rank_in_plane(const Geometry& geometry, const Hit& hit, vec3 direction) {
+  const Placement& placement = geometry.placement(hit.placement);
+  const MaterialData& material = *placement.mesh->material;
+  const bool shows_through =
+      material.factors.alpha_mode == AlphaMode::blend || (material.params.lobes & shade::kLobeTransmission) != 0;
+  return std::tuple(!is_culled_back(geometry, hit, direction), !placement.is_ground, shows_through, hit.placement,
+                    hit.triangle);
+}
+
+/// Bodies that touch are told apart by Place::enter_before_leaving.
+bool are_of_bodies(const Geometry& geometry, const Hit& a, const Hit& b) {
+  return geometry.placement(a.placement).body != 0 && geometry.placement(b.placement).body != 0;
+}
+
+/// Of a query around a hit: notes what is in front, and goes on.
+void filter_in_front(const RTCFilterFunctionNArguments* arguments) {
+  auto& context = *reinterpret_cast<QueryContext*>(arguments->context);
+  if (arguments->valid[0] != 0 && context.filter != nullptr) context.filter(arguments);
+  if (arguments->valid[0] == 0) return;
+  arguments->valid[0] = 0;
+  const Geometry& geometry = *context.geometry;
+  const Hit hit = filtered_hit(context, arguments);
+  const bool is_over =
+      rank_in_plane(geometry, *context.front, context.direction) < rank_in_plane(geometry, hit, context.direction);
+  if (is_over && !are_of_bodies(geometry, *context.met, hit) && are_in_one_plane(geometry, *context.met, hit)) {
+    *context.front = hit;
+  }
+}
+
+/// Of a query: notes everything, and goes on.
+void filter_everything(const RTCFilterFunctionNArguments* arguments) {
+  const auto& context = *reinterpret_cast<const QueryContext*>(arguments->context);
+  if (arguments->valid[0] == 0) return;
+  context.collected->push_back(filtered_hit(context, arguments));
+  arguments->valid[0] = 0;
 }
 
 /// Of a query: notes the faces of bodies, and goes on.
@@ -230,9 +275,10 @@ void fade(MeshData& mesh, float opacity) {
   mesh.colors = mesh.own_colors;
 }
 
-Placement make_placement(const Node& node, int index) {
+Placement make_placement(const Node& node, int index, vec3 origin) {
   Placement placement;
   placement.world_from_object = node.world_from_node;
+  placement.world_from_object[3] -= vec4(origin, 0.0f);
   const mat3 linear(node.world_from_node);
   const float determinant = glm::determinant(linear);
   // The cofactor matrix is the inverse transpose up to scale, and exists for flattening matrices too.
@@ -244,6 +290,8 @@ Placement make_placement(const Node& node, int index) {
   placement.color = vec3(node.color);
   return placement;
 }
+
+Box3 moved(const Box3& box, vec3 offset) { return {box.lower + offset, box.upper + offset}; }
 
 /// Whether rays can be taken into the object's space. Embree needs coordinates below 1.8e18 there.
 bool can_instance(const mat4& world_from_object) {
@@ -349,7 +397,8 @@ struct Geometry::Impl {
   }
 };
 
-Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_(std::make_unique<Impl>()) {
+Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model, vec3 origin)
+    : impl_(std::make_unique<Impl>()), origin_(origin) {
   impl_->device.reset(rtcNewDevice(nullptr));
   if (!impl_->device) throw Error("cannot start Embree");
   impl_->scene.reset(rtcNewScene(impl_->device.get()));
@@ -377,10 +426,10 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     const Node& node = scene.nodes[i];
     if (node.mesh < 0) continue;
     const Mesh& mesh = scene.meshes[static_cast<std::size_t>(node.mesh)];
-    Placement placement = make_placement(node, static_cast<int>(i));
+    Placement placement = make_placement(node, static_cast<int>(i), origin_);
 
     // ----- placed once, or flattened: straight into the top level, in world space
-    if (uses[key_of(node)] == 1 || !can_instance(node.world_from_node)) {
+    if (uses[key_of(node)] == 1 || !can_instance(placement.world_from_object)) {
       for (std::size_t k = 0; k < mesh.primitives.size(); ++k) {
         const Primitive& primitive = mesh.primitives[k];
         if (primitive.triangles.empty()) continue;
@@ -440,7 +489,8 @@ Geometry::Geometry(const Scene& scene, const shade::ShadingModel& model) : impl_
     RTCBounds b;
     rtcGetSceneBounds(impl_->scene.get(), &b);
     bounds_ = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
-    if (scene.ground) bounds_ = world_bounds(scene);
+    if (scene.ground) bounds_ = moved(world_bounds(scene), -origin_);
+    find_shared_planes();
   }
 }
 
@@ -474,6 +524,7 @@ bool Geometry::set_materials(const Scene& scene, const shade::ShadingModel& mode
   for (std::size_t i = count; i < made.size(); ++i) materials_.push_back(made[i]);
   std::copy_n(made.begin(), count, materials_.begin());
   find_kinds();
+  find_shared_planes();
   for (Placement& placement : placements_) placement.first_light = -1;
   return true;
 }
@@ -481,7 +532,9 @@ bool Geometry::set_materials(const Scene& scene, const shade::ShadingModel& mode
 void Geometry::add_ground(const Scene& scene, const shade::ShadingModel& model, unsigned id) {
   ground_ = scene.ground;
   materials_.emplace_back(scene, ground_material(*scene.ground), model);
-  Primitive plane = ground_primitive(*scene.ground, world_bounds(scene));
+  Ground here = *scene.ground;
+  here.height -= origin_.y;
+  Primitive plane = ground_primitive(here, moved(world_bounds(scene), -origin_));
   meshes_.push_back(make_mesh(plane, materials_.back(), nullptr));
   MeshData& mesh = *meshes_.back();
   mesh.own = std::move(plane);
@@ -549,7 +602,109 @@ Hit Geometry::intersect(const Ray& ray, Query& with) const {
   Hit found = hit(query.hit.instID[0], query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v);
   found.t = query.ray.tfar;
   found.seed = with.seed;
+  return in_front(found, ray, with);
+}
+
+Hit Geometry::in_front(const Hit& met, const Ray& ray, Query& with) const {
+  const Placement& placement = placements_[static_cast<std::size_t>(met.placement)];
+  if (!placement.shares_plane) return met;
+  constexpr float kGrazing = 0.125f;
+  constexpr float kRounding = 0x1p-20f;  // of a distance
+  const TrianglePositions p = triangle_positions(placement, met.triangle);
+  const vec3 across = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
+  const float length = glm::length(across);
+  if (!(length > 0.0f && length < kInfinity)) return met;
+  const vec3 n = across / length;
+  const float reach =
+      surface_clearance(placement, p, n) / std::max(std::abs(glm::dot(n, ray.direction)), kGrazing) + kRounding * met.t;
+  const Ray window{ray.origin, ray.direction, std::max(ray.t_min, met.t - reach), std::min(ray.t_max, met.t + reach)};
+  Hit front = met;
+  with.context.filter = with.filter;
+  with.context.met = &met;
+  with.context.front = &front;
+  RTCRayHit query;
+  query.ray = embree_ray(window);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  intersect_1(impl_->scene.get(), with.context.base, query, filter_in_front);
+  front.seed = met.seed;
+  return front;
+}
+
+std::vector<Hit> Geometry::in_plane_with(const Hit& hit, vec3 n) const {
+  const Placement& placement = placements_[static_cast<std::size_t>(hit.placement)];
+  const TrianglePositions p = triangle_positions(placement, hit.triangle);
+  const float clearance = surface_clearance(placement, p, n);
+  Query with(*this, -n, filter_everything);
+  std::vector<Hit> found = collect({p.at(hit.u, hit.v) + clearance * n, -n, 0.0f, 2.0f * clearance}, with);
+  std::erase_if(found, [&](const Hit& other) {
+    const bool is_own = other.placement == hit.placement && other.triangle == hit.triangle;
+    return is_own || are_of_bodies(*this, hit, other) || !are_in_one_plane(*this, hit, other);
+  });
   return found;
+}
+
+vec3 Geometry::transmittance_over(const Hit& hit, vec3 n, vec3 direction) const {
+  vec3 result(1.0f);
+  if (!placement(hit.placement).shares_plane) return result;
+  for (const Hit& other : in_plane_with(hit, n)) {
+    if (rank_in_plane(*this, hit, -n) < rank_in_plane(*this, other, -n)) result *= transmittance(other, direction);
+  }
+  return result;
+}
+
+namespace {
+
+/// Points of a triangle that show whether another one in its plane overlaps it: the middle, and of few triangles near
+/// their edges and corners too, where what crosses them would be.
+constexpr std::array<vec2, 7> kProbes = {vec2(1.0f / 3.0f), {0.49f, 0.49f}, {0.02f, 0.49f}, {0.49f, 0.02f},
+                                         vec2(0.02f),       {0.96f, 0.02f}, {0.02f, 0.96f}};
+constexpr std::size_t kFewTriangles = 256;
+constexpr std::size_t kMostProbes = 1 << 19;  // of all placements
+constexpr std::size_t kMostOfPlacement = 1 << 15;
+constexpr std::size_t kLeastOfPlacement = 16;
+
+}  // namespace
+
+void Geometry::find_shared_planes() {
+  const std::size_t count = placements_.size();
+  if (count == 0) return;
+  const std::size_t most = std::clamp(kMostProbes / count, kLeastOfPlacement, kMostOfPlacement);
+  const auto is_two_sided = [this](const Hit& hit) {
+    const MaterialData& material = *placement(hit.placement).mesh->material;
+    return material.factors.double_sided || material.has_medium;
+  };
+  std::vector<std::atomic<bool>> shares(count);
+  const auto probe = [&](Hit own) {
+    const TrianglePositions p = triangle_positions(placement(own.placement), own.triangle);
+    const vec3 across = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
+    const float length = glm::length(across);
+    if (!(length > 0.0f && length < kInfinity)) return;
+    const vec3 n = across / length;
+    for (const Hit& hit : in_plane_with(own, n)) {
+      // Of a box on a floor, which stand back to back, no ray meets both.
+      const bool is_back_to_back = is_back_hit(*this, hit, -n) != is_back_hit(*this, own, -n);
+      if (is_back_to_back && !is_two_sided(hit) && !is_two_sided(own)) continue;
+      shares[static_cast<std::size_t>(own.placement)] = true;
+      shares[static_cast<std::size_t>(hit.placement)] = true;
+    }
+  };
+  parallel_for(0, count, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t triangles = placements_[i].mesh->triangles.size();
+      const std::size_t points = triangles <= kFewTriangles ? kProbes.size() : 1;
+      const std::size_t stride = std::max<std::size_t>(triangles * points / most, 1);
+      Hit own;
+      own.placement = static_cast<int>(i);
+      for (std::size_t k = 0; k < triangles * points; k += stride) {
+        own.triangle = static_cast<std::uint32_t>(k / points);
+        own.u = kProbes[k % points].x;
+        own.v = kProbes[k % points].y;
+        probe(own);
+      }
+    }
+  });
+  for (std::size_t i = 0; i < count; ++i) placements_[i].shares_plane = shares[i];
 }
 
 Hit Geometry::hit(unsigned instance, unsigned geometry, unsigned triangle, float u, float v) const {
@@ -597,6 +752,10 @@ void Geometry::intersect(const RayPacket& packet, Hit (&hits)[RayPacket::kSize])
     hits[i] = hit(query.hit.instID[0][i], query.hit.geomID[i], query.hit.primID[i], query.hit.u[i], query.hit.v[i]);
     hits[i].t = query.ray.tfar[i];
     hits[i].seed = packet.seeds[i];
+    if (!placement(hits[i].placement).shares_plane) continue;
+    Query with(*this, packet.rays[i].direction, nullptr);
+    with.context.seeds = &packet.seeds[i];
+    hits[i] = in_front(hits[i], packet.rays[i], with);
   }
 }
 

@@ -89,11 +89,12 @@ struct Placement {
   bool is_world = false;         ///< the mesh already is in world space
   bool is_mirrored = false;      ///< negative determinant: the winding is reversed
   int node = -1;
-  int primitive = 0;       ///< of the node's mesh
-  int body = 0;            ///< the body that its faces bound, see find_bodies; 0 = none
-  vec3 color{1.0f};        ///< multiplies the base colour; the node's opacity is in its mesh
-  int first_light = -1;    ///< index of triangle 0 among the emissive triangles
-  bool is_ground = false;  ///< of Scene::ground
+  int primitive = 0;          ///< of the node's mesh
+  int body = 0;               ///< the body that its faces bound, see find_bodies; 0 = none
+  vec3 color{1.0f};           ///< multiplies the base colour; the node's opacity is in its mesh
+  int first_light = -1;       ///< index of triangle 0 among the emissive triangles
+  bool is_ground = false;     ///< of Scene::ground
+  bool shares_plane = false;  ///< with another surface, see Geometry::in_front
 };
 
 struct Hit {
@@ -130,8 +131,9 @@ struct RayPacket {
 /// Everything that rays can hit: Embree's tree, and the data to shade a hit. Meshes used by many nodes are stored once.
 class Geometry {
  public:
-  /// Keeps no copy of what it can read in `scene`, which must outlive it.
-  explicit Geometry(const Scene& scene, const shade::ShadingModel& model = shade::shading_model_candela());
+  /// Keeps no copy of what it can read in `scene`, which must outlive it. All coordinates are relative to `origin`.
+  explicit Geometry(const Scene& scene, const shade::ShadingModel& model = shade::shading_model_candela(),
+                    vec3 origin = vec3(0.0f));
   ~Geometry();
   Geometry(const Geometry&) = delete;
   Geometry& operator=(const Geometry&) = delete;
@@ -163,11 +165,15 @@ class Geometry {
   vec3 transmittance(const Ray& ray) const;
   /// The same of one surface.
   vec3 transmittance(const Hit& hit, vec3 direction) const;
+  /// The same of all that is in front of `hit` in its plane, on the side of the unit normal `n`.
+  vec3 transmittance_over(const Hit& hit, vec3 n, vec3 direction) const;
 
   const Placement& placement(int index) const { return placements_[static_cast<std::size_t>(index)]; }
   std::vector<Placement>& placements() { return placements_; }
   const std::vector<Placement>& placements() const { return placements_; }
   const Box3& bounds() const { return bounds_; }
+  /// Where in the world its coordinates begin.
+  vec3 origin() const { return origin_; }
   /// Whether light can enter bodies.
   bool has_media() const { return has_media_; }
   /// That of the scene, or null.
@@ -183,14 +189,21 @@ class Geometry {
   struct Impl;
   struct Query;
   void find_kinds();
+  void find_shared_planes();
   void add_ground(const Scene& scene, const shade::ShadingModel& model, unsigned id);
   Hit intersect(const Ray& ray, Query& query) const;
+  /// Of the surfaces that lie in one plane where the ray has met one, the same for every ray: what Embree finds of them
+  /// is up to rounding.
+  Hit in_front(const Hit& met, const Ray& ray, Query& query) const;
+  /// The other surfaces in the plane of a hit, whose unit normal is `n`, at its place.
+  std::vector<Hit> in_plane_with(const Hit& hit, vec3 n) const;
   std::vector<Hit> collect(const Ray& ray, Query& query) const;
 
   std::unique_ptr<Impl> impl_;
   std::deque<MaterialData> materials_;  ///< meshes point to them
   std::vector<std::unique_ptr<MeshData>> meshes_;
   std::vector<Placement> placements_;
+  vec3 origin_;
   Box3 bounds_;
   std::vector<Body> bodies_;
   std::optional<Ground> ground_;
@@ -203,6 +216,8 @@ class Geometry {
 /// World-space corners of a triangle.
 struct TrianglePositions {
   vec3 p0, p1, p2;
+
+  vec3 at(float u, float v) const { return p0 * (1.0f - u - v) + p1 * u + p2 * v; }
 };
 TrianglePositions triangle_positions(const Placement& placement, std::uint32_t triangle);
 

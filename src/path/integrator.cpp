@@ -158,14 +158,21 @@ Walk start_walk(const PathContext& context, vec3 eye) {
   return context.eye_is_wide ? Walk(bodies_around(context.geometry, eye)) : Walk(context.start);
 }
 
-/// To the next surface at the same place. The eye sees no backs there either.
-bool step(const PathContext& context, Place& place, Ray& ray, Hit& hit, vec3 direction, bool is_through, bool is_eye) {
+/// To the next surface at the same place as `start`. The eye sees no backs there either.
+bool step(const PathContext& context, Place& place, vec3 start, Ray& ray, Hit& hit, vec3 direction, bool is_through,
+          bool is_eye) {
   bool is_here = place.step(context.geometry, ray, hit, is_through);
   while (is_here && is_eye && is_culled_back(context.geometry, hit, direction)) {
     is_here = place.step(context.geometry, ray, hit, true);
   }
-  if (is_here) ray.direction = direction;
-  return is_here;
+  if (!is_here) return false;
+  if (context.has_media) {
+    // What rays would step over may yet be thick enough to absorb.
+    ray = next_ray(ray, start, direction, is_eye);
+    hit.t = distance_to(context.geometry, hit, start, direction);
+  }
+  ray.direction = direction;
+  return true;
 }
 
 /// The ground as the eye sees it, see Ground.
@@ -267,7 +274,7 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
   };
   if constexpr (kHasMedia) {
     bool scattered = false;
-    if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
+    if (!walk.travel(context, ray.origin, ray, hit, sampler, counts, scattered)) return sample;
     if (scattered) listener.scatter(ray.origin);
     is_eye = !scattered;
     turns = scattered ? 1 : 0;
@@ -405,7 +412,8 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
 
     // ----- on to what else is at this place, or along a ray
     sky = context.lights.environment().locate(direction);
-    const bool is_here = !place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye);
+    const bool is_here =
+        !place.is_simple(is_through) && step(context, place, point.position, ray, hit, direction, is_through, is_eye);
     if (!is_here) {
       ray = next_ray(ray, point.ray_origin(direction), direction, is_eye);
       ++counts.bounce;
@@ -418,11 +426,11 @@ PathSample trace(const PathContext& context, Ray ray, Hit hit, SobolSampler& sam
       add(-walk.throughput * escaped(direction));
       ground.is_left = false;
     }
-    if (is_here) continue;
     if constexpr (kHasMedia) {
       bool scattered = false;
-      if (!walk.travel(context, ray, hit, sampler, counts, scattered)) break;
+      if (!walk.travel(context, point.position, ray, hit, sampler, counts, scattered)) break;
       if (scattered) {
+        place.leave();
         listener.scatter(ray.origin);
         ++turns;
         is_eye = false;
@@ -506,7 +514,7 @@ PathSample trace_minimal(const PathContext& context, Ray ray, Hit hit, SobolSamp
   };
   int passed = 0;
   bool scattered = false;
-  if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
+  if (!walk.travel(context, ray.origin, ray, hit, sampler, counts, scattered)) return sample;
   is_eye = !scattered;
   sees_background = sees_background && !scattered;
   ground.is_looked_for = ground.is_looked_for && !scattered;
@@ -561,7 +569,8 @@ PathSample trace_minimal(const PathContext& context, Ray ray, Hit hit, SobolSamp
       --depth;
     }
 
-    const bool is_here = !place.is_simple(is_through) && step(context, place, ray, hit, direction, is_through, is_eye);
+    const bool is_here =
+        !place.is_simple(is_through) && step(context, place, point.position, ray, hit, direction, is_through, is_eye);
     if (!is_here) {
       ray = next_ray(ray, point.ray_origin(direction), direction, is_eye);
       ++counts.bounce;
@@ -574,9 +583,10 @@ PathSample trace_minimal(const PathContext& context, Ray ray, Hit hit, SobolSamp
       add(-walk.throughput * context.lights.escaped_radiance(direction));
       ground.is_left = false;
     }
-    if (is_here) continue;
-    if (!walk.travel(context, ray, hit, sampler, counts, scattered)) return sample;
-    if (scattered) is_eye = sees_background = ground.is_looked_for = false;
+    if (!walk.travel(context, point.position, ray, hit, sampler, counts, scattered)) return sample;
+    if (!scattered) continue;
+    place.leave();
+    is_eye = sees_background = ground.is_looked_for = false;
   }
   if (sees_background) {
     sample.through = walk.throughput;

@@ -89,7 +89,9 @@ Lights::PunctualLight Lights::place(const Scene& scene, const Node& node) {
 
 void Lights::add_punctual(const Scene& scene) {
   for (const Node& node : scene.nodes) {
-    if (node.light >= 0) punctual_.push_back(place(scene, node));
+    if (node.light < 0) continue;
+    punctual_.push_back(place(scene, node));
+    punctual_.back().position -= geometry_.origin();
   }
 }
 
@@ -479,6 +481,14 @@ LightSample Lights::sample_triangle(const TriangleLight& light, vec3 position, v
   const uvec3 t = mesh.triangles[light.triangle];
   // ----- the measure changes from area to solid angle
   s.radiance = emission_at(mesh, t, b) * mesh.opacity(t, b);
+  if (placement.shares_plane) {
+    Hit lamp;
+    lamp.placement = light.placement;
+    lamp.triangle = light.triangle;
+    lamp.u = b.y;
+    lamp.v = b.z;
+    s.radiance *= geometry_.transmittance_over(lamp, normal, s.direction);
+  }
   s.pdf = s.distance * s.distance / (light.area * cos_light);
   s.mis_power = kAreaMisPower;
   return s;

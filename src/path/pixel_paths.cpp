@@ -26,9 +26,11 @@ constexpr std::uint32_t kChunk = 64;  ///< samples that one task follows
 /// The punctual lights of a scene, to know one by the light that it sends somewhere.
 class LampFinder {
  public:
-  explicit LampFinder(const Scene& scene) {
+  LampFinder(const Scene& scene, vec3 origin) {
     for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-      if (scene.nodes[i].light >= 0) lamps_.emplace_back(static_cast<int>(i), placed_lamp(scene, scene.nodes[i]));
+      if (scene.nodes[i].light < 0) continue;
+      lamps_.emplace_back(static_cast<int>(i), placed_lamp(scene, scene.nodes[i]));
+      lamps_.back().second.position -= origin;
     }
   }
   /// Its node. -1 = none of them would shine like that.
@@ -188,14 +190,15 @@ PixelEstimate trace_pixel(const Tracer& tracer, const View& view, const Settings
   check_pixel(pixel, {settings.width, settings.height});
   const Tracer::Parts& parts = *tracer.parts_;
   if (parts.geometry.ground() != nullptr) throw Error("pixels are explained of scenes without a ground", "--ground");
-  const Camera camera(view, settings.width, settings.height);
+  const vec3 origin = parts.geometry.origin();
+  const Camera camera(relative(view, origin), settings.width, settings.height);
   PathContext context{.geometry = parts.geometry,
                       .lights = parts.lights,
                       .bounces = settings.bounces,
                       .has_media = parts.geometry.has_media()};
   find_start(camera, context);
   const PixelFilterSampler filter(settings.filter, settings.filter_radius);
-  const LampFinder lamps(*parts.scene);
+  const LampFinder lamps(*parts.scene, origin);
   const auto first = static_cast<std::uint32_t>(settings.first_sample);
   const auto last = static_cast<std::uint32_t>(settings.samples);
   std::vector<PixelSums> chunks((last - first + kChunk - 1) / kChunk);
@@ -246,7 +249,10 @@ PixelEstimate trace_pixel(const Tracer& tracer, const View& view, const Settings
   });
   for (const dvec3& light : sums.turns) estimate.turns.emplace_back(light / count);
   estimate.brightest = std::move(sums.brightest);
-  for (LightPath& path : estimate.brightest) path.radiance /= static_cast<float>(count);
+  for (LightPath& path : estimate.brightest) {
+    path.radiance /= static_cast<float>(count);
+    for (PathVertex& vertex : path.vertices) vertex.position += origin;
+  }
   return estimate;
 }
 

@@ -41,7 +41,8 @@ std::vector<LampTerms> find_lamps(const Scene& scene, const Geometry& geometry, 
   std::vector<LampTerms> lamps;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     if (scene.nodes[i].light < 0) continue;
-    const PlacedLamp placed = placed_lamp(scene, scene.nodes[i]);
+    PlacedLamp placed = placed_lamp(scene, scene.nodes[i]);
+    placed.position -= geometry.origin();
     const ArrivingLight arriving = arriving_light(placed, point.position);
     LampTerms lamp;
     lamp.node = static_cast<int>(i);
@@ -90,7 +91,8 @@ std::optional<PixelSurface> find_pixel_surface(const Tracer& tracer, const View&
   check_pixel(pixel, size);
   const Tracer::Parts& parts = *tracer.parts_;
   const Geometry& geometry = parts.geometry;
-  const Camera camera(view, size.x, size.y);
+  const View here = relative(view, geometry.origin());
+  const Camera camera(here, size.x, size.y);
   const Ray ray = centre_ray(camera, pixel.x, pixel.y);
   const Hit hit = geometry.first_surface(ray);
   if (!hit) return std::nullopt;
@@ -101,7 +103,7 @@ std::optional<PixelSurface> find_pixel_surface(const Tracer& tracer, const View&
   surface.params = shade::surface_params_default();
   const SurfacePoint point = make_surface_point(geometry, hit, ray.direction, crossing.eta, surface.params);
   surface.where = surface_sample_of(geometry, hit);
-  surface.distance = glm::distance(point.position, vec3(view.world_from_camera[3]));
+  surface.distance = glm::distance(point.position, vec3(here.world_from_camera[3]));
   surface.is_back = point.is_back;
   surface.is_unlit = point.is_unlit;
   surface.geometric_normal = point.geometric_normal;

@@ -20,6 +20,9 @@ class Place {
   /// false when there is none, and a ray has to find it.
   bool step(const Geometry& geometry, const Ray& ray, Hit& hit, bool is_through);
 
+  /// The path has turned before it came to the next surface here.
+  void leave() { count_ = 0; }
+
   /// When the path leaves a body by `hit` and enters another at the same place, the entry comes first: bodies that
   /// touch have no air between them.
   void enter_before_leaving(const Geometry& geometry, const Ray& ray, Hit& hit);

@@ -19,7 +19,7 @@ SurfaceSample surface_sample_of(const Geometry& geometry, const Hit& hit) {
   sample.primitive = placement.primitive;
   sample.triangle = place.triangle;
   sample.barycentric = place.barycentric;
-  sample.position = p.p0 * b.x + p.p1 * b.y + p.p2 * b.z;
+  sample.position = p.p0 * b.x + p.p1 * b.y + p.p2 * b.z + geometry.origin();
   sample.uv = placement.mesh->uv(placement.mesh->triangles[hit.triangle], b, 0);
   return sample;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "scene/surface_params.h"
 #include "shade/shading_normal.glsl.h"
@@ -26,6 +27,14 @@ vec3 facet_normal(const TrianglePositions& p) {
   const vec3 n = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
   const float length = glm::length(n);
   return length > 0.0f ? n / length : vec3(0.0f);
+}
+
+/// How far it is into `direction` to a plane of normal `n` that `offset` leads to; at grazing angles, where rounding
+/// decides, no more than a few times that.
+float along_to_plane(vec3 n, vec3 offset, vec3 direction) {
+  constexpr float kGrazing = 0.125f;
+  const float cosine = glm::dot(n, direction);
+  return glm::dot(n, offset) / std::copysign(std::max(std::abs(cosine), kGrazing), cosine);
 }
 
 /// The base's textures of a material at one point, located before the first is read.
@@ -204,12 +213,50 @@ bool is_one_surface(const Geometry& geometry, const Hit& a, const Hit& b, vec3 d
   return shared > 0 && shared < 3 && weight > 1.0f - kNearEdge;
 }
 
+bool are_in_one_plane(const Geometry& geometry, const Hit& a, const Hit& b) {
+  constexpr float kRounding = 0.125f;  // of the clearance, which has room for those of rays as well
+  const TrianglePositions p = triangle_positions(geometry.placement(a.placement), a.triangle);
+  const TrianglePositions q = triangle_positions(geometry.placement(b.placement), b.triangle);
+  const auto size2 = [](const TrianglePositions& t) {
+    const vec3 x = t.p1 - t.p0, y = t.p2 - t.p0, z = t.p2 - t.p1;
+    return std::max({glm::dot(x, x), glm::dot(y, y), glm::dot(z, z)});
+  };
+  // The plane of the larger one is the more exact.
+  const bool is_swapped = size2(p) < size2(q);
+  const TrianglePositions& large = is_swapped ? q : p;
+  const TrianglePositions& small = is_swapped ? p : q;
+  const dvec3 corner(large.p0);
+  const dvec3 across = glm::cross(dvec3(large.p1) - corner, dvec3(large.p2) - corner);
+  const double length = glm::length(across);
+  if (!(length > 0.0)) return false;
+  const vec3 n(across / length);
+  const float limit = kRounding * std::max(surface_clearance(geometry.placement(a.placement), p, n),
+                                           surface_clearance(geometry.placement(b.placement), q, n));
+  const auto is_near = [&](vec3 point) { return std::abs(glm::dot(across, dvec3(point) - corner)) <= limit * length; };
+  return is_near(small.p0) && is_near(small.p1) && is_near(small.p2);
+}
+
+float distance_passed(const Geometry& geometry, const Hit& hit, vec3 start, const Ray& ray) {
+  if (start == ray.origin) return 0.0f;
+  return along_to_plane(facet_normal(triangle_positions(geometry.placement(hit.placement), hit.triangle)),
+                        ray.origin - start, ray.direction);
+}
+
+float distance_to(const Geometry& geometry, const Hit& hit, vec3 start, vec3 direction) {
+  const TrianglePositions p = triangle_positions(geometry.placement(hit.placement), hit.triangle);
+  return std::max(along_to_plane(facet_normal(p), p.at(hit.u, hit.v) - start, direction), 0.0f);
+}
+
+vec3 position_of(const Geometry& geometry, const Hit& hit) {
+  return triangle_positions(geometry.placement(hit.placement), hit.triangle).at(hit.u, hit.v);
+}
+
 vec3 origin_beyond(const Geometry& geometry, const Hit& hit, vec3 direction) {
   const Placement& placement = geometry.placement(hit.placement);
   const TrianglePositions p = triangle_positions(placement, hit.triangle);
   const vec3 n = facet_normal(p);
   const float side = glm::dot(n, direction) < 0.0f ? -1.0f : 1.0f;
-  return p.p0 * (1.0f - hit.u - hit.v) + p.p1 * hit.u + p.p2 * hit.v + side * surface_clearance(placement, p, n) * n;
+  return p.at(hit.u, hit.v) + side * surface_clearance(placement, p, n) * n;
 }
 
 bool is_back_hit(const Geometry& geometry, const Hit& hit, vec3 direction) {

@@ -57,6 +57,18 @@ float surface_clearance(const Placement& placement, const TrianglePositions& p, 
 /// edge or corner there and face the ray alike.
 bool is_one_surface(const Geometry& geometry, const Hit& a, const Hit& b, vec3 direction);
 
+/// Whether two hits are of triangles in one plane, as far as single precision can tell.
+bool are_in_one_plane(const Geometry& geometry, const Hit& a, const Hit& b);
+
+/// How much longer the way along a ray to a hit is from `start` than from the ray's origin beside it: what lies between
+/// the two does not shorten the way through a medium.
+float distance_passed(const Geometry& geometry, const Hit& hit, vec3 start, const Ray& ray);
+
+/// How far a hit is from `start` into `direction`, along which no ray has found it.
+float distance_to(const Geometry& geometry, const Hit& hit, vec3 start, vec3 direction);
+
+/// The place of a hit.
+vec3 position_of(const Geometry& geometry, const Hit& hit);
 /// Where a ray starts that leaves a surface to the side that `direction` looks to.
 vec3 origin_beyond(const Geometry& geometry, const Hit& hit, vec3 direction);
 

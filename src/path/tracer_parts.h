@@ -7,6 +7,7 @@
 #include "math/hash.h"
 #include "path/geometry.h"
 #include "path/lights.h"
+#include "path/origin.h"
 #include "path/render.h"
 
 namespace candela::path {
@@ -17,7 +18,7 @@ struct Tracer::Parts {
         const shade::ShadingModel& shading, double light_s = 0.0)
       : scene(std::move(made_of)),
         shape(scene),
-        shared_geometry(std::make_shared<Geometry>(checked(scene), shading)),
+        shared_geometry(std::make_shared<Geometry>(checked(scene), shading, tracing_origin(*scene))),
         geometry(*shared_geometry),
         lights(*scene, std::move(environment), geometry),
         build_s(light_s + watch.seconds()) {}

@@ -131,7 +131,7 @@ vec3 Walk::transmittance(const Crossing& crossing, bool is_beyond, float distanc
   return is_endless(distance) ? vec3(1.0f) : medium->transmittance(distance);
 }
 
-bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& sampler, RayCounts& counts,
+bool Walk::travel(const PathContext& context, vec3 start, Ray& ray, Hit& hit, SobolSampler& sampler, RayCounts& counts,
                   bool& scattered) {
   scattered = false;
   const Medium* medium = media_.current();
@@ -139,7 +139,7 @@ bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& 
   const vec3 albedo = media_.albedo();
   const auto next = [&sampler] { return unit_float(sampler.next_hash()); };
   for (int n = 0; n < kMostScatterings; ++n) {
-    const float surface = hit ? hit.t : kInfinity;
+    const float surface = hit ? std::max(hit.t + distance_passed(context.geometry, hit, start, ray), 0.0f) : kInfinity;
     if (is_endless(surface)) return true;
     if (!medium->scatters) {
       throughput *= medium->transmittance(surface);
@@ -161,9 +161,10 @@ bool Walk::travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& 
     }
     if (max_component(throughput) <= 0.0f) return false;
     // ----- a new direction, by the phase function
-    const vec3 position = ray.origin + flight * ray.direction;
+    const vec3 position = start + flight * ray.direction;
     const float cosine = shade::phase_cosine(medium->anisotropy, next());
     ray = {position, turn(ray.direction, cosine, next())};
+    start = position;
     scattered = true;
     ++counts.bounce;
     hit = context.geometry.intersect(ray, sampler.next_hash());

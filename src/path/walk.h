@@ -41,8 +41,9 @@ class Walk {
   void cross(const Crossing& crossing);
 
   /// Brings the path through the medium it is in to the next surface, by way of any scattering. False when it is
-  /// absorbed. `scattered` is set when the direction has changed.
-  bool travel(const PathContext& context, Ray& ray, Hit& hit, SobolSampler& sampler, RayCounts& counts,
+  /// absorbed. `scattered` is set when the direction has changed. The way counts from `start`, on the surface that the
+  /// ray begins a little off.
+  bool travel(const PathContext& context, vec3 start, Ray& ray, Hit& hit, SobolSampler& sampler, RayCounts& counts,
               bool& scattered);
 
   bool is_in_body() const { return !media_.empty(); }
