@@ -611,10 +611,8 @@ Hit Geometry::in_front(const Hit& met, const Ray& ray, Query& with) const {
   constexpr float kGrazing = 0.125f;
   constexpr float kRounding = 0x1p-20f;  // of a distance
   const TrianglePositions p = triangle_positions(placement, met.triangle);
-  const vec3 across = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
-  const float length = glm::length(across);
-  if (!(length > 0.0f && length < kInfinity)) return met;
-  const vec3 n = across / length;
+  const vec3 n = facet_normal(p);
+  if (!(glm::dot(n, n) > 0.0f)) return met;
   const float reach =
       surface_clearance(placement, p, n) / std::max(std::abs(glm::dot(n, ray.direction)), kGrazing) + kRounding * met.t;
   const Ray window{ray.origin, ray.direction, std::max(ray.t_min, met.t - reach), std::min(ray.t_max, met.t + reach)};
@@ -677,10 +675,8 @@ void Geometry::find_shared_planes() {
   std::vector<std::atomic<bool>> shares(count);
   const auto probe = [&](Hit own) {
     const TrianglePositions p = triangle_positions(placement(own.placement), own.triangle);
-    const vec3 across = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
-    const float length = glm::length(across);
-    if (!(length > 0.0f && length < kInfinity)) return;
-    const vec3 n = across / length;
+    const vec3 n = facet_normal(p);
+    if (!(glm::dot(n, n) > 0.0f)) return;
     for (const Hit& hit : in_plane_with(own, n)) {
       // Of a box on a floor, which stand back to back, no ray meets both.
       const bool is_back_to_back = is_back_hit(*this, hit, -n) != is_back_hit(*this, own, -n);

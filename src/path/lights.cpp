@@ -72,9 +72,9 @@ Lights::Lights(const Scene& scene, std::shared_ptr<const PreparedEnvironment> en
   if (geometry.ground() != nullptr) from_above_ = irradiance_from_above(prepared_->environment);
 }
 
-Lights::PunctualLight Lights::place(const Scene& scene, const Node& node) {
+Lights::PunctualLight Lights::place(const Scene& scene, const Node& node) const {
   const Light& light = scene.lights[static_cast<std::size_t>(node.light)];
-  PunctualLight p{placed_lamp(scene, node)};
+  PunctualLight p{placed_lamp(scene, node, geometry_.origin())};
   float power = luminance(light.color) * light.intensity;
   if (light.type == LightType::spot) {
     power *= shade::light_spot_solid_angle(p.lamp.cos_inner, p.lamp.cos_outer);
@@ -89,9 +89,7 @@ Lights::PunctualLight Lights::place(const Scene& scene, const Node& node) {
 
 void Lights::add_punctual(const Scene& scene) {
   for (const Node& node : scene.nodes) {
-    if (node.light < 0) continue;
-    punctual_.push_back(place(scene, node));
-    punctual_.back().position -= geometry_.origin();
+    if (node.light >= 0) punctual_.push_back(place(scene, node));
   }
 }
 

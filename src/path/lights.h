@@ -122,7 +122,7 @@ class Lights {
     Distribution1D choice = {};  ///< of `many` and `directional`: by power
   };
 
-  static PunctualLight place(const Scene& scene, const Node& node);
+  PunctualLight place(const Scene& scene, const Node& node) const;
   void add_punctual(const Scene& scene);
   void add_triangles(Geometry& geometry);
   void make_sources();

@@ -29,8 +29,7 @@ class LampFinder {
   LampFinder(const Scene& scene, vec3 origin) {
     for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
       if (scene.nodes[i].light < 0) continue;
-      lamps_.emplace_back(static_cast<int>(i), placed_lamp(scene, scene.nodes[i]));
-      lamps_.back().second.position -= origin;
+      lamps_.emplace_back(static_cast<int>(i), placed_lamp(scene, scene.nodes[i], origin));
     }
   }
   /// Its node. -1 = none of them would shine like that.

@@ -41,8 +41,7 @@ std::vector<LampTerms> find_lamps(const Scene& scene, const Geometry& geometry, 
   std::vector<LampTerms> lamps;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     if (scene.nodes[i].light < 0) continue;
-    PlacedLamp placed = placed_lamp(scene, scene.nodes[i]);
-    placed.position -= geometry.origin();
+    const PlacedLamp placed = placed_lamp(scene, scene.nodes[i], geometry.origin());
     const ArrivingLight arriving = arriving_light(placed, point.position);
     LampTerms lamp;
     lamp.node = static_cast<int>(i);

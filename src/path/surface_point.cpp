@@ -22,13 +22,6 @@ vec3 lift_to_smooth_surface(vec3 p, const TrianglePositions& t, const std::array
          barycentric.z * (lift(p - t.p2, normals[2]) - (p - t.p2));
 }
 
-/// 0 where the facet has no area.
-vec3 facet_normal(const TrianglePositions& p) {
-  const vec3 n = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
-  const float length = glm::length(n);
-  return length > 0.0f ? n / length : vec3(0.0f);
-}
-
 /// How far it is into `direction` to a plane of normal `n` that `offset` leads to; at grazing angles, where rounding
 /// decides, no more than a few times that.
 float along_to_plane(vec3 n, vec3 offset, vec3 direction) {
@@ -158,6 +151,12 @@ void fetch_layers(const MaterialData& material, const MeshData& mesh, const uvec
 }
 
 }  // namespace
+
+vec3 facet_normal(const TrianglePositions& p) {
+  const vec3 n = glm::cross(p.p1 - p.p0, p.p2 - p.p0);
+  const float length = glm::length(n);
+  return length > 0.0f ? n / length : vec3(0.0f);
+}
 
 float surface_clearance(const Placement& placement, const TrianglePositions& p, vec3 n) {
   // About 30 roundings of the numbers that go in: twice what tilted planes of any size need.

@@ -47,6 +47,9 @@ bool is_culled_back(const Geometry& geometry, const Hit& hit, vec3 direction);
 /// Emission of a material at a point of a triangle, before any question of sides. cd/m².
 vec3 emission_at(const MeshData& mesh, const uvec3& triangle, vec3 barycentric);
 
+/// Unit; 0 where the facet has no area.
+vec3 facet_normal(const TrianglePositions& p);
+
 /// How far along its unit normal `n` a ray must start from a triangle so that no rounding puts it on the other side: a
 /// bound of the error of a point computed from the corners, and of Embree's own. Pharr, Jakob & Humphreys 2016,
 /// "Physically Based Rendering", 3rd ed., §3.9.5, with one factor for all operations. Grows with the coordinates of the
@@ -69,6 +72,7 @@ float distance_to(const Geometry& geometry, const Hit& hit, vec3 start, vec3 dir
 
 /// The place of a hit.
 vec3 position_of(const Geometry& geometry, const Hit& hit);
+
 /// Where a ray starts that leaves a surface to the side that `direction` looks to.
 vec3 origin_beyond(const Geometry& geometry, const Hit& hit, vec3 direction);
 

@@ -14,10 +14,10 @@ static_assert(static_cast<int>(LightType::point) == shade::kPointLight &&
               static_cast<int>(LightType::spot) == shade::kSpotLight &&
               static_cast<int>(LightType::directional) == shade::kDirectionalLight);
 
-PlacedLamp placed_lamp(const Scene& scene, const Node& node) {
+PlacedLamp placed_lamp(const Scene& scene, const Node& node, vec3 origin) {
   const Light& light = scene.lights[static_cast<std::size_t>(node.light)];
   PlacedLamp p;
-  p.position = vec3(node.world_from_node[3]);
+  p.position = vec3(node.world_from_node[3]) - origin;
   p.intensity = light.color * light.intensity;
   const vec3 axis = transform_vector(node.world_from_node, {0, 0, -1});
   const float length = glm::length(axis);

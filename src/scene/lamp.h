@@ -13,8 +13,8 @@ struct PlacedLamp {
   const IesProfile* ies = nullptr;
 };
 
-/// That of a node that has one.
-PlacedLamp placed_lamp(const Scene& scene, const Node& node);
+/// That of a node that has one, in coordinates that begin at `origin`.
+PlacedLamp placed_lamp(const Scene& scene, const Node& node, vec3 origin = vec3(0.0f));
 
 /// A lamp's light where nothing keeps it away.
 struct ArrivingLight {

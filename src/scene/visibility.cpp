@@ -177,11 +177,11 @@ std::optional<Diagnostic> find_far_vertex(const Scene& scene, float whole) {
 }
 
 /// Things so far apart that each is a dot, whichever of them are more.
-std::optional<Diagnostic> find_far_things(const Scene& scene, float whole, int picture_size) {
+std::optional<Diagnostic> find_far_things(const Scene& scene, vec3 middle, float whole, int picture_size) {
   constexpr int kLeastSize = 240;  // a thumbnail shows no wires either, which are no oddity
   const double pixel = static_cast<double>(whole) / static_cast<double>(std::max(picture_size, kLeastSize));
   if (has_area(scene, pixel * pixel)) return std::nullopt;
-  const FarVertex one = farthest_from(scene, world_bounds(scene).center());
+  const FarVertex one = farthest_from(scene, middle);
   const FarVertex other = farthest_from(scene, one.position);
   const std::string who = one.node == other.node ? "vertices of " + node_text(scene, one.node)
                                                  : node_text(scene, std::min(one.node, other.node)) + " and " +
@@ -214,7 +214,7 @@ std::optional<Diagnostic> find_emptiness(const Scene& scene, int picture_size) {
     const float whole = glm::length(bounds.size());
     if (!(whole > 0.0f)) return std::nullopt;
     const auto far = find_far_vertex(scene, whole);
-    return far ? far : find_far_things(scene, whole, picture_size);
+    return far ? far : find_far_things(scene, bounds.center(), whole, picture_size);
   }
   const bool is_hidden =
       std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.is_hidden; });
