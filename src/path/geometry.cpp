@@ -518,13 +518,15 @@ bool Geometry::set_materials(const Scene& scene, const shade::ShadingModel& mode
   if (scene.materials.size() < count || (ground_ && scene.materials.size() > count)) return false;
   std::vector<MaterialData> made;
   for (const Material& material : scene.materials) made.emplace_back(scene, material, model);
+  bool has_same_sides = true;
   for (std::size_t i = 0; i < count; ++i) {
     if (!(scene.materials[i] == materials_[i].factors) && !are_built_alike(made[i], materials_[i])) return false;
+    has_same_sides = has_same_sides && scene.materials[i].double_sided == materials_[i].factors.double_sided;
   }
   for (std::size_t i = count; i < made.size(); ++i) materials_.push_back(made[i]);
   std::copy_n(made.begin(), count, materials_.begin());
   find_kinds();
-  find_shared_planes();
+  if (!has_same_sides) find_shared_planes();
   for (Placement& placement : placements_) placement.first_light = -1;
   return true;
 }

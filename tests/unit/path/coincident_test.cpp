@@ -294,6 +294,25 @@ TEST(unit_path_coincident, of_opaque_surfaces_in_one_plane_the_later_one_is_seen
   }
 }
 
+TEST(unit_path_coincident, surfaces_that_an_edit_gives_two_sides_are_ordered_as_if_they_had_always_had_them) {
+  const auto scene = [](bool is_double_sided) {
+    SceneBuilder b;
+    for (const auto& [surface, color] :
+         {std::pair(sheet_of_plane(), vec3(1, 0, 0)), std::pair(turned_inside_out(floor_of_plane()), vec3(0, 1, 0))}) {
+      Material m = unlit(color);
+      m.double_sided = is_double_sided;
+      b.add(surface, m);
+    }
+    return std::make_shared<const Scene>(b.build());
+  };
+  const path::FarLight light(dark_environment());
+  path::Tracer tracer(scene(false), light);
+  const auto picture = [&] { return tracer.render(from(5.0f, 0.5f, true), settings(32, 4, 2)).beauty; };
+  expect_all(picture(), {1, 0, 0}, 0.0f, "the back of the floor is looked through");
+  ASSERT_TRUE(tracer.take_materials(scene(true), light, shade::shading_model_candela()));
+  expect_all(picture(), {0, 1, 0}, 0.0f, "the floor is the later one");
+}
+
 TEST(unit_path_coincident, a_lamp_that_another_covers_in_its_plane_lights_nothing) {
   for (const bool is_double_sided : {false, true}) {
     SceneBuilder b;
