@@ -251,13 +251,17 @@ TEST(unit_path_bodies, light_scatters_in_a_pane_alike_wherever_it_stands) {
   const auto scattered = [](float at) {
     SceneBuilder b;
     add_pane(b, 0.01f, at, mat4(1.0f), vec3(0.8f));
+    // What comes back tells the depth it was scattered in.
+    b.add(quad({-3.0f, -3.0f, at - 0.5f}, {6, 0, 0}, {0, 6, 0}), unlit(vec3(0.0f)));
     // Specks, so that most of the scene stands at the world's origin, and what is traced is told from there.
     for (const float x : {-1e-3f, 0.0f, 1e-3f}) b.add(quad({x, -3.0f, 0.0f}, {1e-4f, 0, 0}, {0, 1e-4f, 0}), Material{});
     const Film film =
         shoot(b.build(), constant_environment(vec3(1.0f)), along_z(at + 5.0f, 0.4f), settings(8, 1024, 64));
     return vec3(mean_of(film.beauty));
   };
-  expect_color(scattered(1e3f), scattered(0.0f), 0.03f, "at 1 km");
+  const vec3 here = scattered(0.0f);
+  expect_color(scattered(1e3f), here, 0.03f, "at 1 km");
+  expect_color(scattered(5e3f), here, 0.03f, "at 5 km, where rays step over the pane");
 }
 
 // ----- touching, nested, overlapping

@@ -347,11 +347,17 @@ TEST(unit_path_coincident, a_label_in_the_plane_of_a_clear_pane_is_seen_through_
 }
 
 TEST(unit_path_coincident, a_sheet_a_hair_above_a_floor_is_in_front_whatever_comes_later) {
-  SceneBuilder b;
-  b.add(square(2.0f, 1e-5f), unlit({1, 0, 0}));
-  b.add(square(4.0f), unlit({0, 1, 0}));
-  expect_all(shoot(b.build(), dark_environment(), from(2.0f, 0.5f, true), settings(16, 4, 1)).beauty, {1, 0, 0}, 0.0f,
-             "0.01 mm");
+  for (const float gap : {1e-5f, 1e-6f}) {
+    for (const bool is_doubled : {false, true}) {  // which has the surfaces of its plane ordered
+      SceneBuilder b;
+      b.add(square(2.0f, gap), unlit({1, 0, 0}));
+      if (is_doubled) b.add(square(1.9f, gap), unlit({1, 0, 0}));
+      b.add(square(4.0f), unlit({0, 1, 0}));
+      if (is_doubled) b.add(square(3.9f), unlit({0, 1, 0}));
+      expect_all(shoot(b.build(), dark_environment(), from(2.0f, 0.5f, true), settings(16, 4, 1)).beauty, {1, 0, 0},
+                 0.0f, std::to_string(1e3f * gap) + " mm");
+    }
+  }
 }
 
 // ----- layers
