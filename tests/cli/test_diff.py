@@ -37,10 +37,21 @@ class Diff(CliTest):
         self.assertEqual(candela.png_pixels(self.folder / "error.png")[:2], (16, 12))
 
     def test_json_has_the_numbers(self):
-        self.pictures("a.exr", "b.png")
+        self.pictures("a.exr", "b.exr")
         pair, = json.loads(self.succeeds("diff", "a.exr", "a.exr", "--json", "--max-flip", "0").out)["pairs"]
         self.assertEqual((pair["flip"], pair["values"], pair["beyond"], pair["width"]), (0, "linear", False, 16))
         self.assertEqual(pair["layers"][0]["changed_pixels"], 0)
+        text = self.succeeds("diff", "a.exr", "b.exr").out
+        pair, = json.loads(self.succeeds("diff", "a.exr", "b.exr", "--json").out)["pairs"]
+        share = 100 * pair["layers"][0]["changed_pixels"] / (pair["width"] * pair["height"])
+        self.assertIn(f"{share:.3g} % of the pixels changed", text)
+        done = self.run_candela("diff", "a.exr", "b.exr", "--json", "--max-flip", "0")
+        self.assertIs(json.loads(done.out)["pairs"][0]["beyond"], True)
+
+    def test_a_layer_that_one_picture_lacks_is_named(self):
+        self.pictures("a.exr")
+        self.succeeds("render", "demo:spheres", "-o", "deep.exr", *TINY, "--aov", "depth", "-q")
+        self.assertIn("  depth: in one alone\n", self.succeeds("diff", "a.exr", "deep.exr").out)
 
     def test_nothing_that_is_compared_is_overwritten(self):
         self.pictures("a.png", "b.png", "dir/c.png")
@@ -125,7 +136,10 @@ class Models(CliTest):
         self.model("a.glb"), self.model("b.glb", red=1)
         self.succeeds("diff", "a.glb", "b.glb", *SMALL, "--views", "front,back", "-o", "map-{view}.png")
         self.assertEqual(candela.png_pixels(self.folder / "map-front.png")[:2], (24, 16))
-        self.assertTrue((self.folder / "map-back.png").exists())
+        for side in ("front", "back"):
+            self.succeeds("diff", "a.glb", "b.glb", *SMALL, "--views", side, "-o", "alone.png")
+            self.assertEqual(candela.png_pixels(self.folder / f"map-{side}.png"),
+                             candela.png_pixels(self.folder / "alone.png"))
         self.succeeds("diff", "a.glb", "b.glb", *SMALL, "--views", "front", "-o", "map.png")
         self.succeeds("diff", "a.glb", "b.glb", *SMALL, "--views", "front,back", "-o", "page.html")
         self.assertEqual((self.folder / "page.html").read_text().count("<img alt="), 6)

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "unit/base/temp_folder.h"
+#include "unit/io/gltf_builder.h"
 
 namespace candela {
 namespace {
@@ -88,9 +90,33 @@ TEST(unit_candela_difference, transparency_counts_where_it_shows) {
 TEST(unit_candela_difference, linear_pictures_are_seen_with_the_exposure_of_the_first) {
   const TempFolder folder;
   EXPECT_GT(difference(folder, grey(0.01f), grey(0.02f), ".exr").flip, 0.1) << "a stop brighter, not metered away";
+  const auto first_beside = [&](float first, float second) {
+    return difference(folder, grey(first), grey(second), ".exr").first.rgba;
+  };
+  EXPECT_EQ(first_beside(0.01f, 0.02f), first_beside(0.08f, 0.02f)) << "the second has no say in it";
   const double dark = difference(folder, grey(0.01f), grey(0.02f), ".exr", {.exposure = 1.0f}).flip;
   const double bright = difference(folder, grey(0.01f), grey(0.02f), ".exr", {.exposure = 16.0f}).flip;
   EXPECT_LT(dark, 0.7 * bright);
+}
+
+TEST(unit_candela_difference, linear_pictures_are_seen_with_the_tone_curve) {
+  const TempFolder folder;
+  for (const ToneCurve curve : {ToneCurve::linear, ToneCurve::pbr_neutral, ToneCurve::aces}) {
+    const DevelopSettings shown{.exposure = 1.0f, .tone_curve = curve, .dither = false};
+    const auto d = difference(folder, grey(0.9f), grey(0.5f), ".exr", {.exposure = 1.0f, .tone_curve = curve});
+    EXPECT_EQ(d.first.rgba, develop(grey(0.9f), shown).rgba);
+    EXPECT_EQ(d.second.rgba, develop(grey(0.5f), shown).rgba);
+  }
+}
+
+TEST(unit_candela_difference, a_picture_without_alpha_is_opaque) {
+  const TempFolder folder;
+  Film with_a_hole = grey(0.0f);
+  with_a_hole.beauty.at(3, 2)[3] = 0.5f;
+  for (const bool is_first : {true, false}) {
+    const Film &first = is_first ? with_a_hole : grey(0.0f), &second = is_first ? grey(0.0f) : with_a_hole;
+    EXPECT_EQ(difference(folder, first, second, ".exr").layers[0].changed, 1u);
+  }
 }
 
 TEST(unit_candela_difference, sizes_that_differ_are_told_with_both) {
@@ -136,20 +162,22 @@ std::vector<ShotDifference> differences(const Shot& first, const Shot& second) {
 }
 
 TEST(unit_candela_difference, a_scene_is_like_itself_in_the_pictures_that_a_take_makes_of_it) {
-  const Shot shot = small_shot("demo:spheres");
-  const std::vector<ShotDifference> all = differences(shot, shot);
-  ASSERT_EQ(all.size(), 2u);
-  std::vector<DisplayImage> pictures;
-  Take(shot).render([&](TakenPicture p) {
-    p.develop.dither = false;
-    pictures.push_back(develop(p.film, p.develop));
-  });
-  for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(all[i].index, i);
-    EXPECT_EQ(all[i].label.view, shot.views[i]);
-    EXPECT_EQ(all[i].difference.flip, 0.0);
-    EXPECT_EQ(all[i].difference.layers.at(0).changed, 0u);
-    EXPECT_EQ(all[i].difference.first.rgba, pictures[i].rgba);
+  for (const char* scene : {"demo:spheres", "demo:cornell", "demo:row-transmission-roughness"}) {
+    const Shot shot = small_shot(scene);
+    const std::vector<ShotDifference> all = differences(shot, shot);
+    ASSERT_EQ(all.size(), 2u);
+    std::vector<DisplayImage> pictures;
+    Take(shot).render([&](TakenPicture p) {
+      p.develop.dither = false;
+      pictures.push_back(develop(p.film, p.develop));
+    });
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(all[i].index, i);
+      EXPECT_EQ(all[i].label.view, shot.views[i]);
+      EXPECT_EQ(all[i].difference.flip, 0.0);
+      EXPECT_EQ(all[i].difference.layers.at(0).changed, 0u);
+      EXPECT_EQ(all[i].difference.first.rgba, pictures[i].rgba) << scene << " " << i;
+    }
   }
 }
 
@@ -168,6 +196,26 @@ TEST(unit_candela_difference, two_scenes_are_seen_from_the_same_places_that_show
   }
   EXPECT_EQ(first.develop().exposure, second.develop().exposure);
   EXPECT_GT(differences(small, large).at(0).difference.flip, 0.01);
+}
+
+TEST(unit_candela_difference, glass_differs_in_the_colour_of_what_is_seen_through_it) {
+  const TempFolder folder;
+  const auto pane = [&](const std::string& name, const std::vector<float>& color) {
+    io::test::Builder b = io::test::triangle();
+    // Of index 1, so that nothing is reflected.
+    io::test::json glass = {
+        {"pbrMetallicRoughness", {{"baseColorFactor", color}, {"metallicFactor", 0}}},
+        {"extensions",
+         {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}, {"KHR_materials_ior", {{"ior", 1}}}}}};
+    b.root["materials"] = io::test::json::array({std::move(glass)});
+    b.root["extensionsUsed"] = {"KHR_materials_transmission", "KHR_materials_ior"};
+    io::test::primitive(b)["material"] = 0;
+    write_file(folder.path() / name, b.gltf());
+    return small_shot((folder.path() / name).string());
+  };
+  const Shot red = pane("red.gltf", {1.0f, 0.2f, 0.2f, 1.0f}), green = pane("green.gltf", {0.2f, 1.0f, 0.2f, 1.0f});
+  EXPECT_GT(differences(red, green).at(0).difference.flip, 0.1);
+  EXPECT_EQ(differences(red, red).at(0).difference.flip, 0.0);
 }
 
 TEST(unit_candela_difference, shots_of_other_pictures_are_refused) {
