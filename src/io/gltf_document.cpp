@@ -88,32 +88,28 @@ Container split_glb(std::span<const std::byte> bytes, const std::string& file, D
   return result;
 }
 
-/// Looks at a document while it is parsed: keys that an object has twice.
-class DuplicateKeys {
+/// Looks for keys that an object has twice, in a pass of its own: a parse with a callback takes time that grows with
+/// the square of an array's objects (nlohmann-json 3.11.2, 3.11.3).
+class DuplicateKeys final : public nlohmann::json_sax<nlohmann::json> {
  public:
-  explicit DuplicateKeys(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+  DuplicateKeys(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
 
-  bool operator()(int /*depth*/, nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
-    using Event = nlohmann::json::parse_event_t;
-    switch (event) {
-      case Event::key:
-        add_key(parsed.get_ref<const std::string&>());
-        break;
-      case Event::object_start:
-      case Event::array_start:
-        count_element();
-        levels_.push_back({.is_array = event == Event::array_start, .keys = {}, .key = {}, .count = 0});
-        break;
-      case Event::object_end:
-      case Event::array_end:
-        levels_.pop_back();
-        break;
-      case Event::value:
-        count_element();
-        break;
-    }
+  bool null() override { return count_element(); }
+  bool boolean(bool) override { return count_element(); }
+  bool number_integer(number_integer_t) override { return count_element(); }
+  bool number_unsigned(number_unsigned_t) override { return count_element(); }
+  bool number_float(number_float_t, const string_t&) override { return count_element(); }
+  bool string(string_t&) override { return count_element(); }
+  bool binary(binary_t&) override { return count_element(); }
+  bool start_object(std::size_t) override { return begin(false); }
+  bool start_array(std::size_t) override { return begin(true); }
+  bool end_object() override { return end(); }
+  bool end_array() override { return end(); }
+  bool key(string_t& key) override {
+    add_key(key);
     return true;
   }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) override { return false; }
 
  private:
   struct Level {
@@ -124,8 +120,18 @@ class DuplicateKeys {
   };
   static constexpr std::size_t kMostTold = 10;
 
-  void count_element() {
+  bool count_element() {
     if (!levels_.empty() && levels_.back().is_array) ++levels_.back().count;
+    return true;
+  }
+  bool begin(bool is_array) {
+    count_element();
+    levels_.push_back({.is_array = is_array, .keys = {}, .key = {}, .count = 0});
+    return true;
+  }
+  bool end() {
+    levels_.pop_back();
+    return true;
   }
   void add_key(const std::string& key) {
     levels_.back().key = key;
@@ -301,8 +307,9 @@ GltfDocument::GltfDocument(std::span<const std::byte> bytes, std::string file, D
   while (!container.json.empty() && container.json.back() == '\0') container.json.remove_suffix(1);
   if (container.json.size() > kLargestJson) throw Error("the JSON is larger than 512 MiB", file_);
   try {
+    json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(container.json));
     DuplicateKeys duplicates(file_, diagnostics);
-    json_ = std::make_unique<nlohmann::json>(nlohmann::json::parse(container.json, std::ref(duplicates)));
+    nlohmann::json::sax_parse(container.json, &duplicates);
   } catch (const nlohmann::json::exception& exception) {
     throw Error(json_message(exception.what()), file_);
   }
