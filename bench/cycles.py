@@ -47,7 +47,7 @@ def main():
                 str(seed), "--quiet"]
 
     def cycles(out, width, height, spp, seed=1):
-        return ["blender", "-b", "--factory-startup", "-noaudio", "-P", options.peer, "--", "--gltf", options.model, "--env",
+        return ["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", options.peer, "--", "--gltf", options.model, "--env",
                 options.env, "--out", str(out), "--w", str(width), "--h", str(height), "--spp", str(spp), f"--eye={EYE}",
                 f"--target={TARGET}", "--vfov", FOV, "--seed", str(seed), "--bounces", BOUNCES]
 

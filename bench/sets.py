@@ -61,8 +61,9 @@ def views(o, folder):
             rows[f"F3D, {VIEWS} programs, {what}"] = [[*peer, a, light, folder / f"f3d{i}_{{}}.png"] for i, a in enumerate(azimuths)]
             rows[f"F3D, one program, {what}"] = [[*peer, ",".join(azimuths), light, folder / "f3d_{}.png"]]
     if shutil.which("blender", path="/usr/bin"):
-        rows["Cycles, 1 sample, one program"] = [["blender", "-b", "--factory-startup", "-noaudio", "-P", PEERS / "cycles_views.py", "--", o.model,
-                                                  SIZE, ",".join(azimuths), o.env, folder / "cycles"]]  # fmt: skip
+        rows["Cycles, 1 sample, one program"] = [["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", 1, "-P",
+                                                  PEERS / "cycles_views.py", "--", o.model, SIZE, ",".join(azimuths), o.env,
+                                                  folder / "cycles"]]  # fmt: skip
     print(f"{VIEWS} views of {SIZE}x{SIZE}\n\n| | CPU s | wall s | pictures/s | Candela's CPU s over it |\n|---|---|---|---|---|")
     best = measure_by_turns(rows, o.runs)
     own = best["Candela, rasterizer"][0]

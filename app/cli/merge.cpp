@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/diagnostics.h"
@@ -58,6 +60,11 @@ std::optional<denoise::Method> chosen_denoiser(const MergeOptions& o, const Pict
   return method;
 }
 
+/// In another thread, beside what is done with the part before it.
+std::future<PicturePart> read_soon(const std::string& name) {
+  return std::async(std::launch::async, [name] { return read_part(name); });
+}
+
 void run_merge(const MergeOptions& o) {
   check_usage(o);
   const Stopwatch watch;
@@ -71,9 +78,12 @@ void run_merge(const MergeOptions& o) {
     check_writable(output);
   }
   MergedPicture merged;
-  for (const std::string& name : o.parts) {
-    progress.phase("reading " + name);
-    merged.add(read_part(name), name);
+  std::future<PicturePart> next = read_soon(o.parts.front());
+  for (std::size_t i = 0; i < o.parts.size(); ++i) {
+    progress.phase("reading " + o.parts[i]);
+    PicturePart part = next.get();
+    if (i + 1 < o.parts.size()) next = read_soon(o.parts[i + 1]);
+    merged.add(std::move(part), o.parts[i]);
   }
   Diagnostics diagnostics;
   Film film = merged.film(&diagnostics);

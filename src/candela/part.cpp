@@ -8,6 +8,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -38,20 +39,26 @@ path::Accumulator accumulator_of(const PicturePart& part) {
   return path::Accumulator(settings, part.has_through);
 }
 
-path::Accumulator sums_of(const PicturePart& part, std::span<const std::byte> bytes) {
+/// Into sums of the part's shape; where there are none yet, they are made.
+void read_sums(const PicturePart& part, std::unique_ptr<path::Accumulator>& sums) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(part.size.x) * static_cast<std::uint64_t>(part.size.y);
+  std::span<const std::byte> bytes(part.sums);
   // Before so much memory is taken.
   if (bytes.size() / path::Accumulator::least_bytes_per_pixel() < pixels) {
     throw Error("damaged part of a picture: the sums end before their pixels do");
   }
-  path::Accumulator sums = accumulator_of(part);
+  if (sums == nullptr) sums = std::make_unique<path::Accumulator>(accumulator_of(part));
   try {
-    sums.read(bytes);
+    sums->read(bytes);
   } catch (const Error& error) {
     throw Error("damaged part of a picture: " + error.message());
   }
   if (!bytes.empty()) throw Error("damaged part of a picture: it holds more than its pixels");
-  return sums;
+}
+
+bool are_alike(const PicturePart& a, const PicturePart& b) {
+  return a.key == b.key && a.size == b.size && a.layers == b.layers && a.mattes == b.mattes &&
+         a.has_features == b.has_features && a.has_through == b.has_through;
 }
 
 template <class T>
@@ -150,7 +157,8 @@ void read_body(std::vector<std::byte> body, PicturePart& part) {
     std::copy_n(rest.begin(), raw.size(), raw.begin());
     rest = rest.subspan(raw.size());
   }
-  part.sums.assign(rest.begin(), rest.end());
+  body.erase(body.begin(), body.end() - static_cast<std::ptrdiff_t>(rest.size()));
+  part.sums = std::move(body);
 }
 
 }  // namespace
@@ -217,31 +225,32 @@ PicturePart part_of_bytes(std::span<const std::byte> bytes, const std::string& w
   }
 }
 
-void MergedPicture::add(const PicturePart& part, const std::string& name) {
+MergedPicture::MergedPicture() = default;
+MergedPicture::~MergedPicture() = default;
+
+void MergedPicture::add(PicturePart part, const std::string& name) {
   try {
-    path::Accumulator sums = sums_of(part, part.sums);
-    if (!parts_.empty()) {
-      if (part.key != parts_.front().key) throw Error("is part of another picture than " + names_.front());
-      for (std::size_t i = 0; i < parts_.size(); ++i) {
-        const bool is_apart = part.end_sample <= parts_[i].first_sample || part.first_sample >= parts_[i].end_sample;
-        if (!is_apart) throw Error("has samples that " + names_[i] + " has");
-      }
-      sums.add(sums_of(part, sums_));
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (!are_alike(part, parts_[i])) throw Error("is part of another picture than " + names_[i]);
+      const bool is_apart = part.end_sample <= parts_[i].first_sample || part.first_sample >= parts_[i].end_sample;
+      if (!is_apart) throw Error("has samples that " + names_[i] + " has");
     }
-    sums_.clear();
-    sums.write(sums_);
+    read_sums(part, parts_.empty() ? sums_ : read_);
+    if (!parts_.empty()) sums_->add(*read_);
   } catch (const Error& error) {
+    if (parts_.empty()) sums_.reset();
     throw Error(error.message(), name);
   }
+  part.sums = {};
+  if (!parts_.empty()) part.centres.clear();
   names_.push_back(name);
-  parts_.push_back(part);
-  parts_.back().sums.clear();
+  parts_.push_back(std::move(part));
 }
 
 Film MergedPicture::film(Diagnostics* diagnostics) const {
   const PicturePart& part = parts_.front();
   Film film;
-  sums_of(part, sums_).resolve(film, true);
+  sums_->resolve(film, true);
   for (auto& [kind, mattes] : film.mattes) mattes.names = part.names.at(kind);
   if (const auto found = film.layers.find(Layer::camera_normal); found != film.layers.end()) {
     turn(part.camera_from_world, found->second);

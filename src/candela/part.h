@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -15,6 +16,10 @@
 
 /// Pictures whose samples are divided among machines, or that are gone on with later.
 namespace candela {
+
+namespace path {
+class Accumulator;
+}
 
 /// One of `count` parts of a picture's samples; the first has index 1.
 struct PartRange {
@@ -55,16 +60,20 @@ PicturePart part_of_bytes(std::span<const std::byte> bytes, const std::string& w
 /// A picture of parts. The bits do not depend on their order.
 class MergedPicture {
  public:
+  MergedPicture();
+  ~MergedPicture();
   /// Throws Error for a part of another picture, and for samples that are there already; `name` says whose they are.
-  void add(const PicturePart& part, const std::string& name);
+  /// What was added before remains.
+  void add(PicturePart part, const std::string& name);
   /// Not denoised. Warns of samples that are missing: it has more noise than the whole picture, and is as right.
   Film film(Diagnostics* diagnostics = nullptr) const;
   const PicturePart& first() const { return parts_.front(); }
 
  private:
-  std::vector<PicturePart> parts_;  ///< the first with its sums, the others without
+  std::vector<PicturePart> parts_;  ///< without sums; the first alone with the layers of centres
   std::vector<std::string> names_;
-  std::vector<std::byte> sums_;
+  std::unique_ptr<path::Accumulator> sums_;
+  std::unique_ptr<path::Accumulator> read_;  ///< those of one part, for the room that they take
 };
 
 }  // namespace candela

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/large_pages.h"
 
 namespace candela {
 
@@ -23,7 +24,8 @@ std::optional<std::uint64_t> zstandard_size(std::span<const std::byte> packed) {
 }
 
 std::vector<std::byte> zstandard_unpacked(std::span<const std::byte> packed, std::size_t size) {
-  std::vector<std::byte> bytes(size);
+  std::vector<std::byte> bytes;
+  resize_large(bytes, size);
   const std::size_t found = ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size());
   if (ZSTD_isError(found) != 0 || found != size) throw Error("cannot be unpacked");
   return bytes;

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "base/error.h"
+#include "base/large_pages.h"
 #include "base/parallel.h"
 
 namespace candela::path {
@@ -66,14 +67,14 @@ void scale_variance(const Image& halves, Image& variance) {
 Accumulator::Accumulator(const Settings& settings, bool has_through)
     : width_(settings.width), height_(settings.height) {
   const std::size_t n = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  pixels_.resize(n);
+  resize_large(pixels_, n);
   for (const Layer layer : settings.layers) {
     if (layer_info(layer).has_mean) mean_layers_.push_back(layer);
   }
-  layers_.resize(n * mean_layers_.size());
+  resize_large(layers_, n * mean_layers_.size());
   for (const MatteKind kind : settings.mattes) mattes_.emplace(kind, MatteSums(width_, height_));
-  if (has_through) through_.resize(n);
-  if (settings.has_features) features_.resize(n);
+  if (has_through) resize_large(through_, n);
+  if (settings.has_features) resize_large(features_, n);
   if (settings.noise) luminance2_.resize(n), half_luminance_.resize(n);
 }
 
@@ -145,26 +146,29 @@ void Accumulator::add(const Features& from, Features& to) {
 }
 
 void Accumulator::add(const Accumulator& other) {
-  for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    Pixel& p = pixels_[i];
-    const Pixel& q = other.pixels_[i];
+  constexpr std::size_t kGrain = 1 << 16;
+  const auto add_all = [](auto& to, const auto& from, auto&& add_one) {
+    parallel_for(0, to.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) add_one(to[i], from[i]);
+    });
+  };
+  const auto add_number = [](auto& to, auto from) { to += from; };
+  add_all(pixels_, other.pixels_, [](Pixel& p, const Pixel& q) {
     p.r.add(q.r), p.g.add(q.g), p.b.add(q.b);
     p.alpha += q.alpha;
     p.count += q.count;
-  }
-  for (std::size_t i = 0; i < luminance2_.size(); ++i) {
-    luminance2_[i] += other.luminance2_[i];
-    half_luminance_[i] += other.half_luminance_[i];
-  }
-  for (std::size_t i = 0; i < features_.size(); ++i) add(other.features_[i], features_[i]);
-  for (std::size_t i = 0; i < layers_.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) layers_[i][c].add(other.layers_[i][c]);
-  }
-  for (std::size_t i = 0; i < through_.size(); ++i) {
-    through_[i].sum += other.through_[i].sum;
-    through_[i].luminance2 += other.through_[i].luminance2;
-    through_[i].half += other.through_[i].half;
-  }
+  });
+  add_all(luminance2_, other.luminance2_, add_number);
+  add_all(half_luminance_, other.half_luminance_, add_number);
+  add_all(features_, other.features_, [](Features& to, const Features& from) { add(from, to); });
+  add_all(layers_, other.layers_, [](auto& to, const auto& from) {
+    for (std::size_t c = 0; c < to.size(); ++c) to[c].add(from[c]);
+  });
+  add_all(through_, other.through_, [](Through& to, const Through& from) {
+    to.sum += from.sum;
+    to.luminance2 += from.luminance2;
+    to.half += from.half;
+  });
   for (auto& [kind, sums] : mattes_) sums.add(other.mattes_.at(kind));
 }
 
