@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <deque>
 #include <filesystem>
 #include <future>
 #include <memory>
@@ -78,11 +80,13 @@ void run_merge(const MergeOptions& o) {
     check_writable(output);
   }
   MergedPicture merged;
-  std::future<PicturePart> next = read_soon(o.parts.front());
-  for (std::size_t i = 0; i < o.parts.size(); ++i) {
+  constexpr std::size_t kAhead = 2;  // reading takes longer than adding
+  std::deque<std::future<PicturePart>> coming;
+  for (std::size_t i = 0, asked = 0; i < o.parts.size(); ++i) {
+    for (; asked < std::min(i + kAhead, o.parts.size()); ++asked) coming.push_back(read_soon(o.parts[asked]));
     progress.phase("reading " + o.parts[i]);
-    PicturePart part = next.get();
-    if (i + 1 < o.parts.size()) next = read_soon(o.parts[i + 1]);
+    PicturePart part = coming.front().get();
+    coming.pop_front();
     merged.add(std::move(part), o.parts[i]);
   }
   Diagnostics diagnostics;

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/large_pages.h"
 #include "base/memory.h"
 #include "image/zstandard.h"
 #include "path/accumulator.h"
@@ -146,20 +147,40 @@ std::size_t centre_bytes(const PicturePart& p) {
   return channels * sizeof(float) * static_cast<std::size_t>(p.size.x) * static_cast<std::size_t>(p.size.y);
 }
 
-/// After the header: the layers of pixels' centres, then the sums.
-void read_body(std::vector<std::byte> body, PicturePart& part) {
-  std::span<const std::byte> rest(body);
-  if (rest.size() < centre_bytes(part)) throw Error("is cut short");
-  for (const Layer layer : part.layers) {
-    if (layer_info(layer).has_mean) continue;
-    Image& image = part.centres[layer] = Image(part.size.x, part.size.y, layer_channels(layer));
-    const auto raw = std::as_writable_bytes(std::span(image.pixels));
-    std::copy_n(rest.begin(), raw.size(), raw.begin());
-    rest = rest.subspan(raw.size());
+/// What follows the header: the layers of pixels' centres, then the sums. Fills a part with it, piece by piece.
+class Body {
+ public:
+  Body(PicturePart& part, std::size_t size) : part_(part) {
+    if (size < centre_bytes(part)) throw Error("is cut short");
+    for (const Layer layer : part.layers) {
+      if (layer_info(layer).has_mean) continue;
+      Image& image = part.centres[layer] = Image(part.size.x, part.size.y, layer_channels(layer));
+      centres_.push_back(std::as_writable_bytes(std::span(image.pixels)));
+    }
+    part.sums.reserve(size - centre_bytes(part));
+    advise_large_pages(part.sums.data(), part.sums.capacity());
   }
-  body.erase(body.begin(), body.end() - static_cast<std::ptrdiff_t>(rest.size()));
-  part.sums = std::move(body);
-}
+
+  void take(std::span<const std::byte> bytes) {
+    fingerprint_ = candela::fingerprint(bytes, fingerprint_);
+    while (!bytes.empty() && next_ < centres_.size()) {
+      std::span<std::byte>& into = centres_[next_];
+      const std::size_t count = std::min(into.size(), bytes.size());
+      std::copy_n(bytes.begin(), count, into.begin());
+      into = into.subspan(count), bytes = bytes.subspan(count);
+      if (into.empty()) ++next_;
+    }
+    part_.sums.insert(part_.sums.end(), bytes.begin(), bytes.end());
+  }
+
+  std::uint64_t fingerprint() const { return fingerprint_; }
+
+ private:
+  PicturePart& part_;
+  std::vector<std::span<std::byte>> centres_;
+  std::size_t next_ = 0;
+  std::uint64_t fingerprint_ = candela::fingerprint({});
+};
 
 }  // namespace
 
@@ -214,9 +235,9 @@ PicturePart part_of_bytes(std::span<const std::byte> bytes, const std::string& w
     if (zstandard_size(packed) != size || size / kMostPacked > packed.size())
       throw Error("its sizes contradict each other");
     require_memory(size, available_memory(), "a part of a picture", where);
-    std::vector<std::byte> body = zstandard_unpacked(packed, size);
-    if (header.at("fingerprint") != fmt::format("{:016x}", fingerprint(body))) throw Error("its checksum is wrong");
-    read_body(std::move(body), part);
+    Body body(part, size);
+    unpack_zstandard(packed, size, [&](std::span<const std::byte> piece) { body.take(piece); });
+    if (header.at("fingerprint") != fmt::format("{:016x}", body.fingerprint())) throw Error("its checksum is wrong");
     return part;
   } catch (const Error& error) {
     throw Error("damaged part of a picture: " + error.message(), where);
@@ -241,7 +262,7 @@ void MergedPicture::add(PicturePart part, const std::string& name) {
     if (parts_.empty()) sums_.reset();
     throw Error(error.message(), name);
   }
-  part.sums = {};
+  part.sums = std::vector<std::byte>();  // {} would keep the room
   if (!parts_.empty()) part.centres.clear();
   names_.push_back(name);
   parts_.push_back(std::move(part));

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,5 +15,8 @@ std::vector<std::byte> zstandard_packed(std::span<const std::byte> bytes, int le
 std::optional<std::uint64_t> zstandard_size(std::span<const std::byte> packed);
 /// Throws Error for what is damaged, or holds another number of bytes than `size`.
 std::vector<std::byte> zstandard_unpacked(std::span<const std::byte> packed, std::size_t size);
+/// The same for what is used piece by piece: `take` is given all of it, in pieces of 1 MiB and a last one.
+void unpack_zstandard(std::span<const std::byte> packed, std::size_t size,
+                      const std::function<void(std::span<const std::byte>)>& take);
 
 }  // namespace candela

@@ -63,10 +63,10 @@ class Raster(StopTest, RasterTest):
                 self.assertAlmostEqual(level("a.png") / level("one.png"), 1, delta=0.02)
 
     def test_a_turntable_says_that_pictures_are_missing(self):
-        done = self.stopped(*self.LONG, "--turntable", "5000", "--spp", "64", "-o", "%d.png", "--stats", "s.json",
+        done = self.stopped(*self.LONG, "--turntable", "500", "--spp", "64", "-o", "%d.png", "--stats", "s.json",
                             when=lambda: (self.folder / "1.png").exists(), after=0)  # fmt: skip
         self.assertEqual(done.code, INTERRUPTED, done.err)
-        self.assertRegex(done.err, r"(?m)^candela: interrupted: \d+ of 5000 pictures are there")
+        self.assertRegex(done.err, r"(?m)^candela: interrupted: \d+ of 500 pictures are there")
         self.assertTrue(json.loads((self.folder / "s.json").read_text())["interrupted"])
         for name in self.files():
             if name.endswith(".png"):

@@ -22,5 +22,27 @@ TEST(unit_image_zstandard, what_is_packed_is_unpacked_and_what_is_damaged_refuse
   EXPECT_EQ(zstandard_size({}), std::nullopt);
 }
 
+TEST(unit_image_zstandard, pieces_are_the_whole_and_no_more_and_no_less) {
+  // More than two pieces, a whole one, and less than one.
+  for (const std::size_t size : {std::size_t{2500001}, std::size_t{1} << 20, std::size_t{1000}}) {
+    std::vector<std::byte> bytes(size);
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i * i % 251);
+    std::vector<std::byte> packed = zstandard_packed(bytes);
+    const auto unpacked = [&packed](std::size_t claimed) {
+      std::vector<std::byte> all;
+      unpack_zstandard(packed, claimed,
+                       [&all](std::span<const std::byte> piece) { all.insert(all.end(), piece.begin(), piece.end()); });
+      return all;
+    };
+    EXPECT_EQ(unpacked(size), bytes) << size;
+    EXPECT_THROW(unpacked(size - 1), Error) << size;
+    EXPECT_THROW(unpacked(size + 1), Error) << size;
+    packed.push_back(std::byte{0});
+    EXPECT_THROW(unpacked(size), Error) << size << ", and something after it";
+    packed.resize(packed.size() / 2);
+    EXPECT_THROW(unpacked(size), Error) << size << ", cut short";
+  }
+}
+
 }  // namespace
 }  // namespace candela
