@@ -47,8 +47,8 @@ def main():
                 str(seed), "--quiet"]
 
     def cycles(out, width, height, spp, seed=1):
-        return ["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", options.peer, "--", "--gltf", options.model, "--env",
-                options.env, "--out", str(out), "--w", str(width), "--h", str(height), "--spp", str(spp), f"--eye={EYE}",
+        return ["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", options.peer, "--", "--gltf", options.model,
+                "--env", options.env, "--out", str(out), "--w", str(width), "--h", str(height), "--spp", str(spp), f"--eye={EYE}",
                 f"--target={TARGET}", "--vfov", FOV, "--seed", str(seed), "--bounces", BOUNCES]
 
     print("| picture | renderer | CPU s | wall s | peak MB |\n|---|---|---|---|---|")

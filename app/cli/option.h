@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <iterator>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,12 +35,14 @@ Option add_value(Command& command, const std::string& name, const std::string& t
 template <class T, std::size_t n>
 std::vector<std::string> names_of(const Words<T, n>& words) {
   std::vector<std::string> names;
+  names.reserve(n);
   for (const auto& [word, value] : words) names.emplace_back(word);
   return names;
 }
 template <class Rows>
 std::vector<std::string> names_of_rows(const Rows& rows) {
   std::vector<std::string> names;
+  names.reserve(std::size(rows));
   for (const auto& row : rows) names.emplace_back(row.name);
   return names;
 }
