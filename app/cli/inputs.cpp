@@ -14,8 +14,7 @@ namespace fs = std::filesystem;
 void Inputs::add(const fs::path& path, const Use& use) {
   if (is_device(path)) return;
   files_.try_emplace(file_identity(path), use);
-  std::error_code code;
-  paths_.try_emplace(fs::weakly_canonical(path, code), use);
+  paths_.try_emplace(real_path(path), use);
 }
 
 void Inputs::add(const fs::path& path, const std::string& what) { add(path, Use{what, false}); }
@@ -67,8 +66,7 @@ void Inputs::refuse(const fs::path& path) const {
 }
 
 void Inputs::refuse_folder(const fs::path& folder) const {
-  std::error_code code;
-  const fs::path place = fs::weakly_canonical(folder, code);
+  const fs::path place = real_path(folder);
   for (const auto& [path, use] : paths_) {
     const fs::path inside = path.lexically_relative(place);
     if (inside.empty() || inside.begin()->string() == "..") continue;

@@ -69,16 +69,24 @@ std::uint64_t fingerprint(std::span<const std::byte> bytes, std::uint64_t before
   return h;
 }
 
-std::string file_identity(const fs::path& path) {
-  struct stat status {};
-  if (stat(path.c_str(), &status) == 0) {
-    return '#' + std::to_string(status.st_dev) + ':' + std::to_string(status.st_ino);
-  }
+fs::path real_path(const fs::path& path) {
   std::error_code code;
-  // A link to what is not there is made into a file at its own place.
-  fs::path real = fs::weakly_canonical(path, code);
-  if (real.empty()) real = path.lexically_normal();
-  return lower_case(fs::absolute(real, code).string());
+  const fs::path absolute = fs::absolute(path, code);
+  const fs::path real = fs::weakly_canonical(absolute, code);
+  return real.empty() ? absolute.lexically_normal() : real;
+}
+
+std::string file_identity(const fs::path& path) {
+  // A link to what is not there is made into a file at its own place, and a folder that is not there is made before
+  // `..` leads out of it.
+  const fs::path real = real_path(path);
+  for (const fs::path& name : {path, real}) {
+    struct stat status {};
+    if (stat(name.c_str(), &status) == 0) {
+      return '#' + std::to_string(status.st_dev) + ':' + std::to_string(status.st_ino);
+    }
+  }
+  return lower_case(real.string());
 }
 
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {

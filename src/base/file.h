@@ -22,6 +22,9 @@ bool is_device(const std::filesystem::path& path);
 /// step mixed by a shift. No defence against malice.
 std::uint64_t fingerprint(std::span<const std::byte> bytes, std::uint64_t before = 0xcbf29ce484222325ull);
 
+/// Absolute, without links and `..`; from where nothing is on, as the name says.
+std::filesystem::path real_path(const std::filesystem::path& path);
+
 /// Equal for two names of one file: through links, hard links and different spellings. Of what is not there yet the
 /// name itself, without regard to case.
 std::string file_identity(const std::filesystem::path& path);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -28,8 +29,9 @@ constexpr float kLeastWeight = 0.5f;     // of a pixel, over the windows that ho
 constexpr std::size_t kBrightRank = 1;   // a pixel is at most as bright as the second of those around it
 
 constexpr std::size_t kWidth = 2 * kRadius + 1;
-constexpr std::size_t kLanes = 8;  // floats that are added at once
-constexpr std::size_t kPadded = (kWidth * kWidth + kLanes - 1) / kLanes * kLanes;
+constexpr std::size_t kRun = 32;  // pixels of a row that are reckoned at once: a window's
+constexpr std::size_t kPadded = (kWidth * kWidth + kRun - 1) / kRun * kRun;
+static_assert(kWidth * (kWidth - 1) + kRun <= kPadded);
 constexpr std::size_t kFeatures = 6;
 constexpr std::size_t kBasis = 3 + kFeatures;  // one, x, y, normal, albedo
 
@@ -37,7 +39,7 @@ using Plane = std::vector<float>;
 using Matrix = std::array<std::array<float, kBasis>, kBasis>;
 using Coefficients = std::array<std::array<float, kBasis>, 3>;  // by channel
 
-/// What windows read, pixel by pixel.
+/// What windows read, pixel by pixel, with room behind: kRun pixels are read at once.
 struct Planes {
   int width = 0, height = 0;
   std::array<Plane, 3> albedo;         ///< that light is multiplied by in the end
@@ -77,6 +79,17 @@ void for_square(ivec2 size, ivec2 middle, int reach, const Body& body) {
   }
 }
 
+/// e^x for x ≤ 0, within 2e-7 of it. Written so that compilers do several at once, which no library's is.
+float exp_of_negative(float x) {
+  constexpr float kLog2E = 1.44269504f, kLn2 = 0.693147181f;
+  const float t = glm::max(-126.0f, x * kLog2E);
+  const int power = static_cast<int>(t - 0.5f);
+  const float f = (t - static_cast<float>(power)) * kLn2;
+  const float series =
+      1.0f + f * (1.0f + f * (1 / 2.0f + f * (1 / 6.0f + f * (1 / 24.0f + f * (1 / 120.0f + f * (1 / 720.0f))))));
+  return std::bit_cast<float>((power + 127) << 23) * series;
+}
+
 /// Mean over 3×3 pixels, fewer at borders.
 Plane mean_of_nine(const Plane& in, int width, int height) {
   Plane out(in.size());
@@ -105,12 +118,15 @@ void clamp_outliers(Planes& s, std::array<Plane, 3>& variance) {
   for_rows(s.height, [&](int y) {
     std::array<float, kSide * kSide> around;
     for (int x = 0; x < s.width; ++x) {
+      const std::size_t p = s.at(x, y);
+      std::size_t as_bright = 0;  // itself among them
+      for_square(s.size(), {x, y}, kReach, [&](int i, int j) { as_bright += level[s.at(i, j)] >= level[p]; });
+      if (as_bright > kBrightRank) continue;
       auto end = around.begin();
       for_square(s.size(), {x, y}, kReach, [&](int i, int j) { *end++ = level[s.at(i, j)]; });
       const auto count = static_cast<std::size_t>(end - around.begin());
       const auto bright = around.begin() + static_cast<std::ptrdiff_t>(std::min(kBrightRank, count - 1));
       std::nth_element(around.begin(), bright, end, std::greater<>());
-      const std::size_t p = s.at(x, y);
       const float limit = std::max(*bright, 0.0f);
       if (level[p] <= limit) continue;
       const float scale = limit / level[p];
@@ -130,7 +146,8 @@ Planes make_planes(const Film& film) {
   const std::size_t n = static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height);
   std::array<Plane, 3> variance;
   for (std::size_t c = 0; c < 3; ++c) {
-    for (Plane* plane : {&s.albedo[c], &s.light[c], &s.features[c], &s.features[3 + c], &variance[c]}) plane->resize(n);
+    for (Plane* plane : {&s.albedo[c], &s.light[c], &s.features[c], &s.features[3 + c], &variance[c]})
+      plane->resize(n + kRun);
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t k = 3 * i + c;
       const float albedo = std::max(f.albedo.pixels[k], kLeastAlbedo);
@@ -142,6 +159,7 @@ Planes make_planes(const Film& film) {
     }
   }
   s.feature_variance = {f.normal_variance.pixels, f.albedo_variance.pixels};
+  for (Plane& plane : s.feature_variance) plane.resize(n + kRun);
   clamp_outliers(s, variance);
   for (std::size_t c = 0; c < 3; ++c) {
     s.mean[c] = mean_of_nine(s.light[c], s.width, s.height);
@@ -197,7 +215,7 @@ Image without_chance(const Image& of, Plane variance, const IsByChance& is_by_ch
       vec3 sum(0.0f);
       float total = 0.0f;
       for_square(size, {x, y}, kReach, [&](int i, int j) {
-        const float w = std::exp(-apart(chance, size, {x, y}, {i, j}));
+        const float w = exp_of_negative(-apart(chance, size, {x, y}, {i, j}));
         total += w;
         sum += w * of.rgb(i, j);
       });
@@ -227,31 +245,52 @@ Image clean_albedo(const Film& film) {
   });
 }
 
-/// How much pixel `q` counts in the window around `p`: how likely both have the same light, and the same surface.
-float weight(const Planes& s, std::size_t p, std::size_t q) {
+using Run = std::array<float, kRun>;
+
+/// How much each pixel from `q` on counts in the window around `p`: how likely both have the same light, and the same
+/// surface.
+Run weights(const Planes& s, std::size_t p, std::size_t q) {
   constexpr float kContrast2 = kLeastContrast * kLeastContrast;
-  float of_light = 0.0f;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const float difference = s.mean[c][p] - s.mean[c][q], level = 0.5f * (s.mean[c][p] + s.mean[c][q]);
-    const float vp = s.mean_variance[c][p], vq = s.mean_variance[c][q];
-    of_light += (difference * difference - (vp + std::min(vp, vq))) /
-                (kContrast2 * (level * level + kContrast2) + kLightTolerance * kLightTolerance * (vp + vq));
+  Run result;
+  for (std::size_t l = 0; l < kRun; ++l) {
+    float of_light = 0.0f;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float mean_p = s.mean[c][p], mean_q = s.mean[c][q + l];
+      const float difference = mean_p - mean_q, level = 0.5f * (mean_p + mean_q);
+      const float vp = s.mean_variance[c][p], vq = s.mean_variance[c][q + l];
+      of_light += (difference * difference - (vp + glm::min(vp, vq))) /
+                  (kContrast2 * (level * level + kContrast2) + kLightTolerance * kLightTolerance * (vp + vq));
+    }
+    float of_features = 0.0f;
+    for (std::size_t f = 0; f < kFeatures; ++f) {
+      const float difference = s.features[f][p] - s.features[f][q + l];
+      const float v = s.feature_variance[f / 3][p] + s.feature_variance[f / 3][q + l];
+      of_features += glm::max(difference * difference - v, 0.0f) /
+                     (kFeatureTolerance * kFeatureTolerance * glm::max(v, kLeastFeatureVariance));
+    }
+    result[l] = exp_of_negative(-glm::max(of_light, 0.0f) / 3.0f - of_features / kFeatures);
   }
-  float of_features = 0.0f;
-  for (std::size_t f = 0; f < kFeatures; ++f) {
-    const float difference = s.features[f][p] - s.features[f][q];
-    const float v = s.feature_variance[f / 3][p] + s.feature_variance[f / 3][q];
-    of_features += std::max(difference * difference - v, 0.0f) /
-                   (kFeatureTolerance * kFeatureTolerance * std::max(v, kLeastFeatureVariance));
-  }
-  return std::exp(-std::max(of_light, 0.0f) / 3.0f - of_features / kFeatures);
+  return result;
 }
 
-std::array<float, kBasis> basis_at(const Planes& s, ivec2 p, ivec2 q) {
-  std::array<float, kBasis> basis = {1.0f, static_cast<float>(q.x - p.x) / kRadius,
-                                     static_cast<float>(q.y - p.y) / kRadius};
-  for (std::size_t f = 0; f < kFeatures; ++f)
-    basis[3 + f] = s.features[f][s.at(q.x, q.y)] - s.features[f][s.at(p.x, p.y)];
+/// Calls `body(x, count)` for pixels of a row from `first` to `last`, `count` at once: kRun, or what is left of them.
+template <class Body>
+void for_runs(int first, int last, const Body& body) {
+  constexpr int kStep = kRun;
+  for (int x = first; x <= last; x += kStep) body(x, static_cast<std::size_t>(std::min(last - x + 1, kStep)));
+}
+
+/// Basis of the window around `p` at pixels from `q` on.
+std::array<Run, kBasis> basis_at(const Planes& s, ivec2 p, ivec2 q) {
+  std::array<Run, kBasis> basis;
+  basis[0].fill(1.0f);
+  for (std::size_t l = 0; l < kRun; ++l) basis[1][l] = static_cast<float>(q.x - p.x + static_cast<int>(l)) / kRadius;
+  basis[2].fill(static_cast<float>(q.y - p.y) / kRadius);
+  for (std::size_t f = 0; f < kFeatures; ++f) {
+    const float middle = s.features[f][s.at(p.x, p.y)];
+    const float* const values = &s.features[f][s.at(q.x, q.y)];
+    for (std::size_t l = 0; l < kRun; ++l) basis[3 + f][l] = values[l] - middle;
+  }
   return basis;
 }
 
@@ -278,46 +317,54 @@ void solve(Matrix& a, Coefficients& b) {
 
 using Row = std::array<float, kPadded>;
 
-/// Of the first `n`, and of zeros up to a multiple of kLanes.
+/// Of the first `n`, and of zeros up to a multiple of kRun.
 float dot(const Row& a, const Row& b, std::size_t n) {
-  std::array<float, kLanes> sums{};
-  for (std::size_t i = 0; i < n; i += kLanes) {
-    for (std::size_t l = 0; l < kLanes; ++l) sums[l] += a[i + l] * b[i + l];
+  Run sums{};
+  for (std::size_t i = 0; i < n; i += kRun) {
+    for (std::size_t l = 0; l < kRun; ++l) sums[l] += a[i + l] * b[i + l];
   }
-  float sum = 0.0f;
-  for (const float s : sums) sum += s;
-  return sum;
+  for (std::size_t half = kRun / 2; half > 0; half /= 2) {
+    for (std::size_t l = 0; l < half; ++l) sums[l] += sums[l + half];
+  }
+  return sums[0];
 }
 
 Coefficients fit(const Planes& s, ivec2 middle, int reach) {
-  std::array<Row, kBasis> basis;  // times the root of the weight
+  // All times the root of the weight.
+  std::array<Row, kBasis> basis;
   std::array<Row, 3> light;
-  std::array<float, 2> feature_noise{};
-  float total = 0.0f;
+  std::array<Row, 2> feature_variance;
   std::size_t n = 0;
   const std::size_t p = s.at(middle.x, middle.y);
-  for_square(s.size(), middle, reach, [&](int x, int y) {
-    const std::size_t q = s.at(x, y);
-    const float w = weight(s, p, q);
-    const float root = std::sqrt(w);
-    total += w;
-    const std::array<float, kBasis> values = basis_at(s, middle, {x, y});
-    for (std::size_t i = 0; i < kBasis; ++i) basis[i][n] = root * values[i];
-    for (std::size_t c = 0; c < 3; ++c) light[c][n] = root * s.light[c][q];
-    for (std::size_t f = 0; f < 2; ++f) feature_noise[f] += w * s.feature_variance[f][q];
-    ++n;
-  });
-  for (std::size_t i = n; i % kLanes != 0; ++i) {
-    for (Row& row : basis) row[i] = 0.0f;
-    for (Row& row : light) row[i] = 0.0f;
+  const int left = std::max(middle.x - reach, 0), right = std::min(middle.x + reach, s.width - 1);
+  for (int y = std::max(middle.y - reach, 0); y <= std::min(middle.y + reach, s.height - 1); ++y) {
+    for_runs(left, right, [&](int x, std::size_t count) {
+      const std::size_t q = s.at(x, y);
+      Run root = weights(s, p, q);
+      for (float& w : root) w = std::sqrt(w);
+      const auto store = [&](Row& row, const float* values) {
+        for (std::size_t l = 0; l < kRun; ++l) row[n + l] = root[l] * values[l];
+      };
+      const std::array<Run, kBasis> values = basis_at(s, middle, {x, y});
+      for (std::size_t i = 0; i < kBasis; ++i) store(basis[i], values[i].data());
+      for (std::size_t c = 0; c < 3; ++c) store(light[c], &s.light[c][q]);
+      for (std::size_t f = 0; f < 2; ++f) store(feature_variance[f], &s.feature_variance[f][q]);
+      n += count;  // what was stored beyond it is overwritten
+    });
   }
+  const auto end_at_n = [&](auto& rows) {
+    for (Row& row : rows) std::fill(row.begin() + static_cast<std::ptrdiff_t>(n), row.end(), 0.0f);
+  };
+  end_at_n(basis);
+  end_at_n(light);
+  end_at_n(feature_variance);
   Matrix a{};
   Coefficients b{};
   for (std::size_t i = 0; i < kBasis; ++i) {
     for (std::size_t j = 0; j <= i; ++j) a[i][j] = dot(basis[i], basis[j], n);
     for (std::size_t c = 0; c < 3; ++c) b[c][i] = dot(basis[i], light[c], n);
-    if (i > 0) a[i][i] += kRidge * total;
-    if (i >= 3) a[i][i] += feature_noise[(i - 3) / 3];
+    if (i > 0) a[i][i] += kRidge * a[0][0];
+    if (i >= 3) a[i][i] += dot(basis[0], feature_variance[(i - 3) / 3], n);
   }
   solve(a, b);
   return b;
@@ -388,33 +435,40 @@ Image regress(const Film& film, const Job& job) {
 
   Image clean(s.width, s.height, 3);
   for_rows(s.height, job, 0.6, 1.0, [&](int y) {
-    for (int x = 0; x < s.width; ++x) {
-      const std::size_t q = s.at(x, y);
-      float total = 0.0f;
-      vec3 sum(0.0f);
-      for (int row = rows.first(y); row < rows.count() && rows[row] - y <= kRadius; ++row) {
-        for (int column = columns.first(x); column < columns.count() && columns[column] - x <= kRadius; ++column) {
-          const ivec2 p(columns[column], rows[row]);
-          const float w = weight(s, s.at(p.x, p.y), q);
-          const std::array<float, kBasis> basis = basis_at(s, p, {x, y});
-          const Coefficients& b = fits[index(column, row)];
-          total += w;
-          for (int c = 0; c < 3; ++c) {
-            float value = 0.0f;
-            for (std::size_t i = 0; i < kBasis; ++i) value += b[static_cast<std::size_t>(c)][i] * basis[i];
-            sum[c] += w * value;
+    // Over the windows that hold a pixel, by pixel of the row.
+    Plane total(static_cast<std::size_t>(s.width));
+    std::vector<vec3> sum(total.size(), vec3(0.0f));
+    for (int row = rows.first(y); row < rows.count() && rows[row] - y <= kRadius; ++row) {
+      for (int column = 0; column < columns.count(); ++column) {
+        const ivec2 p(columns[column], rows[row]);
+        const Coefficients& b = fits[index(column, row)];
+        for_runs(std::max(p.x - kRadius, 0), std::min(p.x + kRadius, s.width - 1), [&](int x, std::size_t count) {
+          const Run w = weights(s, s.at(p.x, p.y), s.at(x, y));
+          const std::array<Run, kBasis> basis = basis_at(s, p, {x, y});
+          std::array<Run, 3> light{};
+          for (std::size_t c = 0; c < 3; ++c) {
+            for (std::size_t i = 0; i < kBasis; ++i) {
+              for (std::size_t l = 0; l < kRun; ++l) light[c][l] += b[c][i] * basis[i][l];
+            }
           }
-        }
+          for (std::size_t l = 0; l < count; ++l) {
+            const std::size_t i = static_cast<std::size_t>(x) + l;
+            total[i] += w[l];
+            sum[i] += w[l] * vec3(light[0][l], light[1][l], light[2][l]);
+          }
+        });
       }
+    }
+    for (int x = 0; x < s.width; ++x) {
+      const auto i = static_cast<std::size_t>(x);
+      vec3 light = sum[i] / total[i];
       // What no window speaks for, as a texel of a colour that no window's middle has, has a window of its own.
-      if (total < kLeastWeight) {
+      if (total[i] < kLeastWeight) {
         const Coefficients own = fit(s, {x, y}, kOwnRadius);
-        sum = {own[0][0], own[1][0], own[2][0]};
-        total = 1.0f;
+        light = {own[0][0], own[1][0], own[2][0]};
       }
       const vec3 albedo = glm::max(albedos.rgb(x, y), kLeastAlbedo);
-      const vec3 light = within_neighbours(s, {x, y}, sum / total);
-      clean.set_rgb(x, y, light * albedo + seen.rgb(x, y));
+      clean.set_rgb(x, y, within_neighbours(s, {x, y}, light) * albedo + seen.rgb(x, y));
     }
   });
   keep_what_is_certain(film, clean);

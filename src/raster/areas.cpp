@@ -4,7 +4,9 @@
 #include <cmath>
 #include <iterator>
 #include <string>
+#include <unordered_map>
 
+#include "math/position_hash.h"
 #include "raster/glow.h"
 
 namespace candela::raster {
@@ -169,6 +171,40 @@ vec3 front_of(const AreaEntry& e) {
 
 glm::dvec3 place_of(const AreaLight& light) { return light.base + glm::dvec3(light.entry.middle()); }
 
+/// Whether `b` is at the place of `a` and as large, so that of both one is seen.
+bool are_at_one_place(const AreaLight& a, const AreaLight& b) {
+  constexpr float kAlike = 1e-4f;  // relative
+  const auto differ = [](float x, float y) { return std::abs(x - y) > kAlike * std::max(x, y); };
+  if (a.entry.is_body != b.entry.is_body || a.entry.has_two_sides != b.entry.has_two_sides) return false;
+  if (differ(a.seen_area, b.seen_area) || differ(a.entry.extent, b.entry.extent)) return false;
+  if (a.entry.is_body != 0) return true;
+  const float facing = glm::dot(front_of(a.entry), front_of(b.entry));
+  return (a.entry.has_two_sides != 0 ? std::abs(facing) : facing) > 1.0f - kAlike;
+}
+
+/// Removes lamps that a later opaque one at the same place hides.
+void remove_hidden(const Scene& scene, const GpuScene& gpu, std::vector<AreaLight>& all) {
+  const auto is_opaque = [&](const AreaLight& light) {
+    const Draw& draw = gpu.draws()[light.surfaces[0].draw];
+    const Node& node = scene.nodes[static_cast<std::size_t>(draw.node)];
+    const Primitive& primitive = scene.meshes[static_cast<std::size_t>(node.mesh)].primitives[draw.part];
+    return scene.materials[static_cast<std::size_t>(primitive.material)].alpha_mode == AlphaMode::opaque;
+  };
+  std::unordered_map<vec3, std::vector<const AreaLight*>, PositionHash> later;
+  std::vector<bool> is_hidden(all.size(), false);
+  for (std::size_t i = all.size(); i-- > 0;) {
+    std::vector<const AreaLight*>& here = later[vec3(place_of(all[i])) + 0.0f];
+    is_hidden[i] =
+        std::any_of(here.begin(), here.end(), [&](const AreaLight* other) { return are_at_one_place(all[i], *other); });
+    if (!is_hidden[i] && is_opaque(all[i])) here.push_back(&all[i]);
+  }
+  std::vector<AreaLight> seen;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!is_hidden[i]) seen.push_back(std::move(all[i]));
+  }
+  all = std::move(seen);
+}
+
 /// One lamp of two, where the light of both is centred: of two panels that face the same way a panel, else a body.
 AreaLight joined(AreaLight a, AreaLight b) {
   if (a.power < b.power) std::swap(a, b);
@@ -222,6 +258,7 @@ void join_nearest(std::vector<AreaLight>& all, std::size_t most) {
 
 std::vector<AreaLight> find_areas(const Scene& scene, const GpuScene& gpu, float sky, Diagnostics& diagnostics) {
   std::vector<AreaLight> all = glowing_draws(scene, gpu, sky);
+  remove_hidden(scene, gpu, all);
   const auto by_power = [](const AreaLight& a, const AreaLight& b) { return a.power > b.power; };
   std::stable_sort(all.begin(), all.end(), by_power);
   if (all.size() > kMostAreas) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -147,10 +148,29 @@ std::vector<std::uint32_t> welded(const Primitive& primitive) {
   return corner;
 }
 
-/// Groups of triangles that share corners.
-std::vector<std::vector<std::uint32_t>> connected(const Primitive& primitive, const std::vector<std::uint32_t>& lit) {
-  std::vector<std::uint32_t> parent = welded(primitive);
-  const std::vector<std::uint32_t> corner = parent;
+/// Of opaque triangles at one place that face the same way, the last, which is the one that is seen.
+std::vector<std::uint32_t> without_hidden(const Primitive& primitive, const Material& material,
+                                          const std::vector<std::uint32_t>& corner,
+                                          const std::vector<std::uint32_t>& lit) {
+  if (material.alpha_mode != AlphaMode::opaque) return lit;
+  std::map<std::array<std::uint32_t, 3>, std::uint32_t> last;
+  for (const std::uint32_t i : lit) {
+    const uvec3& t = primitive.triangles[i];
+    std::array<std::uint32_t, 3> at{corner[t.x], corner[t.y], corner[t.z]};
+    std::rotate(at.begin(), std::min_element(at.begin(), at.end()), at.end());
+    if (material.double_sided) std::sort(at.begin(), at.end());
+    last[at] = i;
+  }
+  std::vector<std::uint32_t> seen;
+  for (const auto& [at, i] : last) seen.push_back(i);
+  std::sort(seen.begin(), seen.end());
+  return seen;
+}
+
+/// Groups of triangles that share corners, each of which has the number `corner` says.
+std::vector<std::vector<std::uint32_t>> connected(const Primitive& primitive, const std::vector<std::uint32_t>& corner,
+                                                  const std::vector<std::uint32_t>& lit) {
+  std::vector<std::uint32_t> parent(corner.size());
   for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
   const auto root = [&](std::uint32_t i) {
     i = corner[i];
@@ -238,7 +258,9 @@ std::vector<GlowingPart> glowing_parts(const Scene& scene, const Primitive& prim
     if (glow[i].area > 0.0f && luminance(glow[i].emission) >= kFaintest * brightest) lit.push_back(i);
   }
   if (brightest <= 0.0f || lit.empty()) return {};
-  std::vector<std::vector<std::uint32_t>> groups = connected(primitive, lit);
+  const std::vector<std::uint32_t> corner = welded(primitive);
+  lit = without_hidden(primitive, material, corner, lit);
+  std::vector<std::vector<std::uint32_t>> groups = connected(primitive, corner, lit);
   part_further(primitive, groups);
   std::vector<GlowingPart> parts;
   for (std::vector<std::uint32_t>& group : groups) {

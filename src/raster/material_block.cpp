@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <variant>
 
 #include "raster/opacity.h"
 #include "scene/cutoff.h"
@@ -34,15 +35,14 @@ vec3 scattering_width(const Material& m) {
 /// What follows from properties, and is read more often than it is written.
 struct Derived {
   std::string_view name;
-  float (*number)(const Material&);
-  vec3 (*color)(const Material&);
+  std::variant<float (*)(const Material&), vec3 (*)(const Material&)> value;
   std::string_view doc;
 };
 
 constexpr auto kDerived = std::to_array<Derived>({
-    {"drawn_cutoff", cutoff, nullptr, "alpha_cutoff, less what rounding takes"},
-    {"extinction", nullptr, volume_extinction, "1/m"},
-    {"scatter_width", nullptr, scattering_width, "how wide light spreads in a scattering body, metres"},
+    {"drawn_cutoff", cutoff, "alpha_cutoff, less what rounding takes"},
+    {"extinction", volume_extinction, "1/m"},
+    {"scatter_width", scattering_width, "how wide light spreads in a scattering body, metres"},
 });
 
 /// How a slot turns coordinates: along_u * u + along_v * v + offset of the set at place `uv_set`.
@@ -65,7 +65,7 @@ constexpr std::size_t kFields = kFirstDirection + 2 * kDirectionRows.size();
 constexpr bool is_color(std::size_t field) {
   if (field >= kFirstDirection) return false;
   return field < kFirstDerived ? kMaterialProperties[field].member.is_color()
-                               : kDerived[field - kFirstDerived].color != nullptr;
+                               : kDerived[field - kFirstDerived].value.index() == 1;
 }
 
 /// Of a direction, in the shaders.
@@ -173,7 +173,7 @@ void write_material_block(const Material& m, std::span<const int> more_sets, std
     ++field;
   }
   for (const Derived& row : kDerived) {
-    row.color != nullptr ? put(field, row.color(m)) : put(field, row.number(m));
+    std::visit([&](const auto& value) { put(field, value(m)); }, row.value);
     ++field;
   }
   for (const DirectionRow& row : kDirectionRows) {

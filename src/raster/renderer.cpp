@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -257,6 +258,7 @@ void Renderer::begin(const View& view, LightPoint point) {
   gpu_.set_texture_anisotropy(texture_anisotropy(settings_));
   gpu_.set_origin(*scene_, vec3(view.world_from_camera[3]));
   View placed = relative(view);
+  near_plane_ = view.near_plane;
   placed.near_plane = rays_start_ = start_of_rays(view);
   range_ =
       seen_range(*scene_, gpu_, placed, static_cast<float>(settings_.width) / static_cast<float>(settings_.height));
@@ -354,6 +356,7 @@ void Renderer::draw_some(std::size_t first, std::size_t count, const PassKey& pa
     const vec3 low = body_->bounds.lower - gpu_.origin() - margin, high = body_->bounds.upper - gpu_.origin() + margin;
     glUniform3fv(program.uniform("body_low"), 1, &low.x);
     glUniform3fv(program.uniform("body_high"), 1, &high.x);
+    glUniform1f(program.uniform("near_plane"), near_plane_);
     glUniform1f(program.uniform("rays_start"), rays_start_);
   }
   gpu_.bind_material(material, program);
@@ -550,9 +553,18 @@ void Renderer::draw(const View& view, vec2 jitter, vec2 aperture, int frame) {
   gl::check("drawing");
 }
 
-void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
+std::vector<std::size_t> Renderer::all_draws() const {
   std::vector<std::size_t> all(gpu_.draws().size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const auto rank = [&](std::size_t i) {
+    const GpuMaterial& material = gpu_.material_of(gpu_.draws()[i]);
+    return material.is_blended() ? 2 : material.is_transmissive() ? 1 : 0;
+  };
+  std::stable_sort(all.begin(), all.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  return all;
+}
+
+void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
   PassKey pass;
   pass.has_lights = lights_.count > 0;
   pass.quantity = quantity;
@@ -561,7 +573,7 @@ void Renderer::draw_quantity(Quantity quantity, const FrameCamera& camera) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
   }
-  draw_surfaces(all, pass, camera);
+  draw_surfaces(all_draws(), pass, camera);
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
 }

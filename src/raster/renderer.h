@@ -127,6 +127,9 @@ class Renderer {
   /// Draws those of `order` with the programs of `pass`.
   void draw_surfaces(const std::vector<std::size_t>& order, const PassKey& pass, const FrameCamera& camera);
   void bind_probe(std::size_t draw, const gl::Program& program);
+  /// Numbers of all draws; of those at one place the last is what a picture shows: what is opaque lies below glass, and
+  /// that below what is blended.
+  std::vector<std::size_t> all_draws() const;
   void draw_quantity(Quantity quantity, const FrameCamera& camera);
   Target make_float_target() const;
   void clear_floats(float value) const;
@@ -175,6 +178,7 @@ class Renderer {
   std::array<gl::Framebuffer, 2> scattered_framebuffer_;
   bool has_veils_ = false;                 ///< blended surfaces dim the lamps of the frame
   std::optional<Body> body_;               ///< that the eye is in
+  float near_plane_ = 0.0f;                ///< of the view
   float rays_start_ = 0.0f;                ///< along the view, see start_of_rays()
   int slice_count_ = 0;                    ///< of the frame's blended surfaces
   bool is_slice_deep_ = false;             ///< several surfaces may lie in the slice that is drawn

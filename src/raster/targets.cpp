@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "raster/renderer.h"
 #include "scene/surface_layers.h"
@@ -250,9 +249,7 @@ SurfaceMap Renderer::read_surfaces(const View& view, vec2 jitter, vec2 aperture)
   const FrameCamera camera = frame_camera(relative(view), settings_.width, settings_.height, range_, jitter, aperture);
   bind_frame(camera);
   const Target target = make_float_target();
-  std::vector<std::size_t> all(gpu_.draws().size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  draw_map(all, camera);
+  draw_map(all_draws(), camera);
   const Image rgba = read_pixels(settings_.width, settings_.height);
   gl::check("drawing numbers");
   SurfaceMap map(settings_.width, settings_.height);

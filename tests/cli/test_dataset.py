@@ -182,8 +182,9 @@ class Dataset(CliTest):
     def test_a_scene_in_the_folder_of_the_set_is_not_overwritten(self):
         (self.folder / "set").mkdir()
         (self.folder / "set/a.glb").write_bytes(candela.triangle_glb())
-        self.fails("render", "set/a.glb", "--size", "8x8", "--spp", "1", "--dataset", "masks", "-o", "set",
-                   says="lies in the output folder")  # fmt: skip
+        for name in ("set", "new/../set", "new/.."):
+            self.fails("render", "set/a.glb", "--size", "8x8", "--spp", "1", "--dataset", "masks", "-o", name,
+                       says="lies in the output folder")  # fmt: skip
 
 
 class Layers(CliTest):

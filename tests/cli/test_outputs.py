@@ -153,7 +153,8 @@ class Overwriting(CliTest):
         (self.folder / "here").symlink_to(".")
         before = self.snapshot()
         names = ("numbers.png", "a map.png", "spare.png", "lamp.jpg", "thing.exr", "hard.png", "soft.png",
-                 "sub/../spare.png", "here/numbers.png", str(self.folder / "spare.png"))  # fmt: skip
+                 "sub/../spare.png", "here/numbers.png", str(self.folder / "spare.png"), "new/../spare.png",
+                 "sub/new/../../numbers.png", "new/../soft.png")  # fmt: skip
         for name in names:
             with self.subTest(name=name):
                 self.assert_refused(self.render("a.gltf", "-o", name), before, "is an input")

@@ -446,7 +446,41 @@ TEST_F(law_raster_blended, layers_are_of_the_first_surface_that_is_at_least_half
   }
 }
 
+TEST_F(law_raster_blended, layers_are_of_what_the_picture_shows_where_surfaces_share_a_place) {
+  raster::Settings settings = drawn(4);
+  settings.layers = {Layer::object_id, Layer::albedo};
+  Material glass = matte({1, 0, 0});
+  glass.transmission = 1.0f;
+  for (const Material& veil : {blended(matte({1, 0, 0}), 0.5f), glass}) {
+    for (const bool is_first : {true, false}) {
+      SceneBuilder b;
+      if (is_first) b.add(square({0, 0, 0}, 2.0f), veil);
+      b.add(square({0, 0, 0}, 2.0f), matte({0, 1, 0}));
+      if (!is_first) b.add(square({0, 0, 0}, 2.0f), veil);
+      const Film film = draw(b.build(), dark_environment(), ahead(1.0f), settings);
+      EXPECT_EQ(film.layers.at(Layer::object_id).pixels[kSize * kSize / 2 + kSize / 2], is_first ? 1.0f : 2.0f);
+      EXPECT_GT(film.layers.at(Layer::albedo).rgb(kSize / 2, kSize / 2).x, 0.5f);
+    }
+  }
+}
+
 // ----- the eye in a body
+
+TEST_F(law_raster_blended, from_far_away_a_body_absorbs_as_much) {
+  const Environment white = constant_environment(vec3(1.0f));
+  for (const float far : {0.0f, 1e5f, 1e6f}) {
+    for (const bool is_orthographic : {false, true}) {
+      const vec3 middle(far, -far, far);
+      View view = look_at(middle, middle + vec3(0, 0, -1), 0.1f);
+      if (is_orthographic) view.projection = OrthographicCamera{.xmag = 0.05f, .ymag = 0.05f};
+      view.near_plane = 0.5f;
+      SceneBuilder b;
+      b.add(box(vec3(-1.0f), vec3(1.0f)), clear_glass(2.0f), translation(middle));
+      expect_near(mean_of(draw(b.build(), white, view, drawn(4)).beauty, {24, 24, 40, 40}),
+                  glm::sqrt(dvec3(0.5, 1.0, 0.25)), 0.01, "half a metre beyond the near plane");
+    }
+  }
+}
 
 TEST_F(law_raster_blended, from_inside_a_body_absorbs_over_the_way_to_its_boundary) {
   const View perspective = look_at(vec3(0.0f), {0, 0, -1}, 0.1f);

@@ -90,6 +90,27 @@ Scene leaf_before_panel(float transmission) {
   return b.build();
 }
 
+TEST_F(law_raster_lamps, of_lamps_at_one_place_one_shines) {
+  const Material floor = matte(vec3(0.8f));
+  const Primitive panel = ceiling_panel({-0.3f, 1.0f, -0.3f}, 0.6f);
+  const auto lit_by = [&](const std::vector<Primitive>& lamps, const std::vector<float>& strengths) {
+    SceneBuilder b;
+    b.add(quad({-3, 0, 3}, {6, 0, 0}, {0, 0, -6}), floor);
+    for (std::size_t i = 0; i < lamps.size(); ++i) b.add(lamps[i], lamp(vec3(strengths[i])));
+    return draw(b.build(), floor_view());
+  };
+  const Image one = lit_by({panel}, {4.0f});
+  EXPECT_GT(mean_luminance(one), 0.01);
+  EXPECT_LT(difference(one, lit_by({panel, panel}, {4.0f, 4.0f})), 1e-3);
+  EXPECT_LT(difference(one, lit_by({panel, panel}, {20.0f, 4.0f})), 1e-3) << "the later one is seen";
+  EXPECT_LT(difference(one, lit_by({joined(panel, panel)}, {4.0f})), 1e-3);
+  // One that is seen from the other side is another lamp.
+  const vec3 below = one.rgb(kSize / 2, kSize - 1);
+  const vec3 found = lit_by({panel, turned_inside_out(panel)}, {4.0f, 9.0f}).rgb(kSize / 2, kSize - 1);
+  EXPECT_NEAR(luminance(found), luminance(below), 1e-3f * luminance(below));
+  EXPECT_GT(difference(one, lit_by({panel, moved(panel, {0.7f, 0, 0})}, {4.0f, 4.0f})), 0.3);
+}
+
 TEST_F(law_raster_lamps, a_panel_shines_through_a_leaf_as_in_the_path_tracer) {
   const View view = look_at({0.0f, 0.0f, 3.0f}, vec3(0.0f), 0.2f);
   const auto middle = [](const Image& image) { return luminance(image.rgb(image.width / 2, image.height / 2)); };

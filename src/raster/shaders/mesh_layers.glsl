@@ -12,7 +12,8 @@ uniform ivec4 depth_slice;  // the layers between which a draw shows what is the
 uniform vec3 body_extinction;
 uniform vec3 body_low;  // its box
 uniform vec3 body_high;
-uniform float rays_start;  // depth along the view, behind the near plane
+uniform float near_plane;  // depth along the view, from where on light is absorbed
+uniform float rays_start;  // as much more as tells on which side of a face there the rays begin
 #ifndef LOBE_transmission
 uniform float body_share;  // of radiance in it that is left outside, where the lens is: 1 over the square of its index
 #endif
@@ -33,21 +34,21 @@ bool is_elsewhere() {
 #endif
 
 #ifdef IN_BODY
-/// Where the eye's ray to here begins.
-vec3 ray_start() {
+/// Where the eye's ray to here is at a depth along the view.
+vec3 ray_at(float depth) {
   vec3 to_eye = eye - v_position;
-  if (is_perspective > 0.5) return v_position + to_eye * (1.0 - rays_start * gl_FragCoord.w);
-  return v_position + back * (dot(to_eye, back) - rays_start);
+  if (is_perspective > 0.5) return v_position + to_eye * (1.0 - depth * gl_FragCoord.w);
+  return v_position + back * (dot(to_eye, back) - depth);
 }
 
 /// What is left of light on its way to the eye in a body, from here or from where it enters the body.
 vec3 passing_body() {
-  vec3 start = ray_start();
+  vec3 start = ray_at(rays_start);
   // A near plane and an orthographic picture may be wider than the body.
   if (any(lessThan(start, body_low)) || any(greaterThan(start, body_high))) return vec3(1.0);
   float boundary = texelFetch(depth_layers, ivec3(ivec2(gl_FragCoord.xy), 1), 0).x;
   if (gl_FragCoord.z - layer_slack() > boundary) return vec3(1.0);
-  vec3 passing = exp(-body_extinction * distance(start, v_position));
+  vec3 passing = exp(-body_extinction * distance(ray_at(near_plane), v_position));
 #ifndef LOBE_transmission
   // What enters through the boundary has risen by as much as falls at the lens; what is seen through glass has fallen.
   passing *= body_share;

@@ -141,6 +141,10 @@ TEST(unit_base_file, every_name_of_a_file_is_the_same_file) {
   for (const char* name : {"./a.png", "sub/../a.png", "hard.png", "sub/soft.png", "here/a.png", "here/here/hard.png"}) {
     EXPECT_EQ(file_identity(folder / name), a) << name;
   }
+  // Through folders that are made before the file is written.
+  for (const char* name : {"new/../a.png", "new/deep/../../a.png", "sub/new/../../hard.png", "new/../sub/soft.png"}) {
+    EXPECT_EQ(file_identity(folder / name), a) << name;
+  }
   EXPECT_NE(file_identity(folder / "b.png"), a);
   // Of what is not there yet a name has to do, which some file systems do not tell from another case.
   const std::string absent = file_identity(folder / "new.png");
