@@ -12,7 +12,7 @@ namespace candela::cli {
 namespace fs = std::filesystem;
 
 void Inputs::add(const fs::path& path, const Use& use) {
-  if (is_device(path)) return;
+  if (is_device(path) || path.string().starts_with("demo:")) return;
   files_.try_emplace(file_identity(path), use);
   paths_.try_emplace(real_path(path), use);
 }

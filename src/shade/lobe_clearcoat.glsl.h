@@ -144,18 +144,21 @@ SHADE_FN void coat_prepare(SHADE_IN(SurfaceParams) p, vec3 wo, SHADE_INOUT(Surfa
 
 /// What colour and darkening leave of light between wo and a direction at this cosine to the coat's normal.
 SHADE_FN vec3 coat_filter(SHADE_IN(Surface) s, float mu) {
+  if ((SHADE_LOBES(s) & kLobeClearcoat) == 0) return vec3(1.0f);
   if (s.is_coat_clear) return vec3(1.0f);
   return mix(vec3(1.0f), s.coat_darkening * s.coat_tint_o * coat_tint(s, mu), s.coat);
 }
 
 /// Of light that leaves at wo's own cosine: mirrored, or seen straight through.
 SHADE_FN vec3 coat_filter_mirrored(SHADE_IN(Surface) s) {
+  if ((SHADE_LOBES(s) & kLobeClearcoat) == 0) return vec3(1.0f);
   if (s.is_coat_clear) return vec3(1.0f);
   return mix(vec3(1.0f), s.coat_darkening * s.coat_tint_o * s.coat_tint_o, s.coat);
 }
 
 /// And of light that comes from below.
 SHADE_FN vec3 coat_filter_out(SHADE_IN(Surface) s) {
+  if ((SHADE_LOBES(s) & kLobeClearcoat) == 0) return vec3(1.0f);
   if (s.is_coat_clear) return vec3(1.0f);
   return mix(vec3(1.0f), s.coat_tint_o, s.coat);
 }
@@ -212,6 +215,7 @@ SHADE_FN SurfaceEval coat_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
   SurfaceEval r;
   r.value = vec3(0.0f);
   r.pdf = 0.0f;
+  if ((SHADE_LOBES(s) & kLobeClearcoat) == 0) return r;
   vec3 o = coat_to_local(s, wo);
   vec3 i = coat_to_local(s, wi);
   if (o.z <= 0.0f || i.z <= 0.0f) return r;

@@ -22,6 +22,7 @@ SHADE_FN float rough_diffuse_balance(SHADE_IN(Surface) s, float t) {
 
 /// `ab` and `mean`: the boundary's split-sum terms at wo, and their means.
 SHADE_FN void rough_diffuse_prepare(vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
+  if ((SHADE_LOBES(s) & kLobeDiffuseRoughness) == 0) return;
   if (s.diffuse_roughness <= 0.0f) return;
   s.diffuse_balance_mean = base_transmission(s, mean);
   s.diffuse_balance_o = rough_diffuse_balance(s, base_transmission(s, ab));
@@ -30,6 +31,7 @@ SHADE_FN void rough_diffuse_prepare(vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) 
 /// By what factor a layer of this colour differs from a Lambertian one; wi.z > 0, where the boundary's split-sum terms
 /// are `ab`. Light that leaves on the other side does so as if it left on this one.
 SHADE_FN vec3 rough_diffuse_gain(SHADE_IN(Surface) s, vec3 color, vec3 wo, vec3 wi, vec2 ab) {
+  if ((SHADE_LOBES(s) & kLobeDiffuseRoughness) == 0) return vec3(1.0f);
   vec3 visible = max(color, vec3(1e-6f));
   return eon_f(visible, s.diffuse_roughness, wo, wi) / lambert_f(visible) *
          (s.diffuse_balance_o * rough_diffuse_balance(s, base_transmission(s, ab)));
@@ -37,6 +39,7 @@ SHADE_FN vec3 rough_diffuse_gain(SHADE_IN(Surface) s, vec3 color, vec3 wo, vec3 
 
 /// Of light from everywhere: EON's directional albedo over the colour of the layer.
 SHADE_FN vec3 rough_diffuse_albedo(SHADE_IN(Surface) s, vec3 color, float mu) {
+  if ((SHADE_LOBES(s) & kLobeDiffuseRoughness) == 0) return vec3(1.0f);
   if (s.diffuse_roughness <= 0.0f) return vec3(1.0f);
   float single = eon_albedo(mu, s.diffuse_roughness);
   float average = (1.0f + kEonMean * s.diffuse_roughness) / (1.0f + kEonEdge * s.diffuse_roughness);

@@ -19,6 +19,7 @@ SHADE_FN void iridescence_matter_on_top(SHADE_IN(SurfaceParams) p, SHADE_INOUT(S
   s.film_nm = p.film_nm;
   s.film_f0_dielectric = s.f0_dielectric;
   s.film_f0_metal = s.f0_metal;
+  if ((SHADE_LOBES(p) & kLobeIridescence) == 0) return;
   if (s.iridescence <= 0.0f) return;
   // For the albedo tables; the lobe itself has the whole curve.
   s.f0_dielectric = mix(s.f0_dielectric, terms_film(s, 1.0f, s.film_f0_dielectric), s.iridescence);
@@ -34,6 +35,7 @@ SHADE_FN vec3 iridescence_below(SHADE_IN(Surface) s, vec2 ab, vec3 beyond) {
 }
 
 SHADE_FN vec3 iridescence_below_at(SHADE_IN(Surface) s, vec2 ab, vec3 w) {
+  if ((SHADE_LOBES(s) & kLobeIridescence) == 0) return vec3(1.0f);
   TableCell m = table_cell_mu(abs(w.z), kTableMu);
   TableCell row = anisotropy_row_along(s, w);
   vec3 beyond = vec3(0.0f);
@@ -52,6 +54,7 @@ SHADE_FN float iridescence_mean(SHADE_IN(Surface) s, int i) {
 
 /// After base_energy, whose split-sum terms and means these are.
 SHADE_APART SHADE_FN void iridescence_prepare(vec3 wo, vec2 ab, vec2 mean, SHADE_INOUT(Surface) s) {
+  if ((SHADE_LOBES(s) & kLobeIridescence) == 0) return;
   vec3 beyond = vec3(0.0f);
   for (int i = 0; i < kFilmCosines; ++i) {
     float mu = table_film_cosine(i);

@@ -17,11 +17,14 @@ SHADE_FN vec3 retro_turned(vec3 w) { return vec3(-w.x, -w.y, w.z); }
 
 /// The opaque facets at a direction that is turned: value without the cosine, and density.
 SHADE_FN SurfaceEval retro_facets(SHADE_IN(Surface) s, vec3 wo, vec3 wi) {
+  SurfaceEval r;
+  r.value = vec3(0.0f);
+  r.pdf = 0.0f;
+  if ((SHADE_LOBES(s) & kLobeRetroreflection) == 0) return r;
   vec3 turned = retro_turned(wi);
   vec3 wm = wo + turned;
   float cos_m = 0.5f * length(wm);
   wm = wm * (0.5f / cos_m);
-  SurfaceEval r;
   r.value = terms_fresnel_opaque(s, cos_m) * (s.retroreflection * terms_dv(s, wo, turned, wm));
   r.pdf = s.chance_specular * s.retroreflection * terms_pdf_visible(s, wo, wm);
   return r;

@@ -51,6 +51,7 @@ SHADE_FN bool sheen_is_delta(SHADE_IN(Surface) s) { return s.chance_sheen <= 0.0
 
 /// Below a coat, which lets `coat_share` through on both ways; at wi it is `scale` of the fibres alone.
 SHADE_FN vec3 sheen_eval(SHADE_IN(Surface) s, vec3 wo, vec3 wi, float coat_share, float scale) {
+  if ((SHADE_LOBES(s) & kLobesOfFibres) == 0) return vec3(0.0f);
   vec3 wm = normalize(wo + wi);
   float share = coat_share * (s.sheen_scale_o * scale);
   return s.sheen * (share * charlie_d(wm, s.sheen_alpha) * charlie_v(wo, wi, s.sheen_alpha) * wi.z);
@@ -67,6 +68,7 @@ SHADE_FN vec3 uniform_hemisphere_sample(vec2 u) {
 
 /// Fibres on top of all, in the frame of their normal.
 SHADE_FN vec3 sheen_eval_on_top(SHADE_IN(Surface) s, vec3 wo, vec3 wi, float scale) {
+  if ((SHADE_LOBES(s) & kLobeFuzz) == 0) return vec3(0.0f);
   vec3 t = shade_tangent(s.sheen_normal);
   vec3 o = shade_to_local(s.sheen_normal, t, wo);
   vec3 i = shade_to_local(s.sheen_normal, t, wi);
@@ -75,6 +77,7 @@ SHADE_FN vec3 sheen_eval_on_top(SHADE_IN(Surface) s, vec3 wo, vec3 wi, float sca
 
 /// What fibres on top leave of the coat: a factor of each direction, here of w.
 SHADE_FN float sheen_over_coat(SHADE_IN(Surface) s, vec3 w) {
+  if ((SHADE_LOBES(s) & kLobeFuzz) == 0) return 1.0f;
   float e = table_sheen(sheen_cosine(s, w), s.sheen_roughness);
   if (s.model.literal_layers) return 1.0f - s.sheen_weight * e;
   return table_sheen_over(abs(dot(s.coat_normal, w)), s.coat_roughness, s.sheen_roughness, e).x;

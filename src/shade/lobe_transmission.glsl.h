@@ -15,9 +15,11 @@ SHADE_FN float glass_rise(float cos_theta, float eta, float f0) {
 
 /// Of a transparent boundary, at the cosine on its rarer side: the exact law between F0 and F90.
 SHADE_FN vec3 glass_fresnel_rare(SHADE_IN(Surface) s, float cos_theta) {
+  if ((SHADE_LOBES(s) & kLobeTransmission) == 0) return vec3(1.0f);
   vec3 f0 = s.glass_f0_tinted;
   float rise = glass_rise(cos_theta, max(s.eta, 1.0f / s.eta), s.glass_f0);
   vec3 f = f0 + (vec3(s.f90_dielectric) - f0) * rise;
+  if ((SHADE_LOBES(s) & kLobeIridescence) == 0) return f;
   return s.iridescence > 0.0f ? mix(f, terms_film(s, cos_theta, f0), s.iridescence) : f;
 }
 
@@ -77,6 +79,7 @@ SHADE_FN void glass_prepare(vec3 wo, SHADE_INOUT(Surface) s) {
   s.glass_reflected = 0.0f;
   s.glass_multireflect = 0.0f;
   s.glass_multitransmit = vec3(0.0f);
+  if ((SHADE_LOBES(s) & kLobeTransmission) == 0) return;
   if (s.is_glass_delta || !s.model.multiscatter) return;
   if (s.is_thin) {
     float rise = table_rise(table_curve(s.eta));
@@ -104,6 +107,7 @@ SHADE_FN bool glass_is_delta(SHADE_IN(Surface) s) { return s.chance_glass <= 0.0
 /// What facets reflect of light from wi after several bounces among them; `escape` is what an opaque base's single
 /// scattering loses there.
 SHADE_FN vec3 glass_multireflected(SHADE_IN(Surface) s, vec3 wi, float escape) {
+  if ((SHADE_LOBES(s) & kLobeTransmission) == 0) return vec3(0.0f);
   float glass_escape = s.is_thin || s.is_glass_delta
                            ? escape
                            : max(1.0f - table_glass(wi.z, anisotropy_roughness_along(s, wi), s.eta), 0.0f);
@@ -122,6 +126,7 @@ SHADE_FN SurfaceEval glass_facets(SHADE_IN(Surface) s, float cos_m, float densit
 /// Adds light from the other side: wi.z < 0. `ab` are the split-sum terms there, `across` what the layers let through.
 SHADE_FN void glass_add_below(SHADE_IN(Surface) s, vec3 wo, vec3 wi, vec2 ab, float across,
                               SHADE_INOUT(SurfaceEval) r) {
+  if ((SHADE_LOBES(s) & kLobeTransmission) == 0) return;
   float cos_i = -wi.z;
   float escape = s.is_thin ? base_escape(ab)
                            : max(1.0f - table_glass(cos_i, anisotropy_roughness_along(s, wi), 1.0f / s.eta), 0.0f);
@@ -206,6 +211,7 @@ SHADE_FN vec3 glass_direction(SHADE_IN(Surface) s, vec3 wo, vec2 u, float u_side
 /// What it reflects and lets through of light that is the same from everywhere, where the opaque facets' split-sum
 /// terms are `ab` and the layers let `over` through.
 SHADE_FN void glass_shares(SHADE_IN(Surface) s, vec3 wo, vec2 ab, float over, SHADE_INOUT(SurfaceShares) r) {
+  if ((SHADE_LOBES(s) & kLobeTransmission) == 0) return;
   if (s.weight_glass <= 0.0f) return;
   // A smooth boundary, or a film, reflects by the exact curve; a rough one loses what the tables of glass say.
   vec2 ab_glass = anisotropy_ggx(s, wo, table_curve(max(s.eta, 1.0f / s.eta)));

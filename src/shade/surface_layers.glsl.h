@@ -146,12 +146,13 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval_above(SHADE_IN(Surface) s, vec3 wo,
   r.pdf = s.chance_diffuse * cosine_pdf(wi.z);
   r.value = lost * over;
   if (s.weight_glass > 0.0f) r.value += glass_multireflected(s, wi, escape) * over;
+  vec3 diffuse;
   if (s.diffuse_roughness > 0.0f) {
-    r.value += lambert_f(s.diffuse) * rough_diffuse_gain(s, s.diffuse_color, wo, wi, ab) *
-               layers_diffuse_share(s, wo, wi, cos_m, at, ab);
+    diffuse = lambert_f(s.diffuse) * rough_diffuse_gain(s, s.diffuse_color, wo, wi, ab);
   } else {
-    r.value += terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m) * layers_diffuse_share(s, wo, wi, cos_m, at, ab);
+    diffuse = terms_diffuse_shape(s, s.diffuse, wo, wi, cos_m);
   }
+  r.value += diffuse * layers_diffuse_share(s, wo, wi, cos_m, at, ab);
 
   // ----- facets
   if (!s.is_mirror) {
@@ -207,7 +208,9 @@ SHADE_APART SHADE_FN SurfaceEval layers_eval(SHADE_IN(Surface) s, vec3 wo, vec3 
   bool is_below = wi.z < 0.0f;
   if (is_below && (SHADE_LOBES(s) & (kLobeTransmission | kLobeDiffuseTransmission)) == 0) return r;
   LayersAt at = layers_at(s, wi);
-  if (is_below) return layers_eval_below(s, wo, wi, at);
+  if ((SHADE_LOBES(s) & (kLobeTransmission | kLobeDiffuseTransmission)) != 0) {
+    if (is_below) return layers_eval_below(s, wo, wi, at);
+  }
   return layers_eval_above(s, wo, wi, at);
 }
 

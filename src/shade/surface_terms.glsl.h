@@ -32,6 +32,7 @@ SHADE_FN vec3 terms_fresnel_dielectric(SHADE_IN(Surface) s, float cos_theta) {
   if ((SHADE_LOBES(s) & kLobeModel) != 0 && s.model.fresnel == kFresnelSphericalGaussian) {
     f = fresnel_spherical_gaussian(f0, cos_theta);
   }
+  if ((SHADE_LOBES(s) & kLobeIridescence) == 0) return f;
   return s.iridescence > 0.0f ? mix(f, terms_film(s, cos_theta, f0), s.iridescence) : f;
 }
 
@@ -44,6 +45,7 @@ SHADE_FN vec3 terms_fresnel_metal(SHADE_IN(Surface) s, float cos_theta) {
   if (s.has_f82_tint) f = fresnel_f82(f0, s.f82_tint, cos_theta);
   if ((SHADE_LOBES(s) & kLobeConductor) != 0)
     f = min(fresnel_conductor3(cos_theta, s.conductor_n, s.conductor_k), vec3(1.0f));
+  if ((SHADE_LOBES(s) & kLobeIridescence) == 0) return f;
   return s.iridescence > 0.0f ? mix(f, terms_film_metal(s, cos_theta), s.iridescence) : f;
 }
 
