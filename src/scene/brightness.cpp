@@ -129,24 +129,41 @@ Arriving arrive(const Scene& scene, const Node& node, const dvec3& position) {
   return {to_light, intensity / d2};
 }
 
-/// Points that stand for equal areas.
+/// Points that stand for equal areas, but that no primitive has more of them than all others together: a ground,
+/// however large, is no more of what is looked at than what stands on it.
 std::vector<Place> spread_places(const Scene& scene) {
   constexpr std::size_t kCount = 1024;
   struct Part {
     std::size_t node;
     const Primitive* primitive;
+    double own;  ///< area
     double end;  ///< area up to here
+    double scale = 1.0;
   };
   std::vector<Part> parts;
-  double area = 0.0;
   for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
     const Node& node = scene.nodes[n];
     if (node.mesh < 0) continue;
     for (const Primitive& p : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
-      for (const uvec3& t : p.triangles) area += glm::length(corners_of(p, t, node.world_from_node).area_vector());
-      parts.push_back({n, &p, area});
+      double own = 0.0;
+      for (const uvec3& t : p.triangles) own += glm::length(corners_of(p, t, node.world_from_node).area_vector());
+      parts.push_back({n, &p, own, 0.0});
     }
   }
+  const auto glows = [&](const Part& part) {
+    return max_component(scene.materials[static_cast<std::size_t>(part.primitive->material)].emission) > 0.0f;
+  };
+  double area = 0.0, dark = 0.0;
+  for (const Part& part : parts) {
+    area += part.own;
+    if (!glows(part)) dark += part.own;
+  }
+  for (Part& part : parts) {
+    const double others = dark - part.own;
+    if (!glows(part) && part.own > others && others > 1e-9 * area) part.scale = others / part.own;
+  }
+  area = 0.0;
+  for (Part& part : parts) part.end = area += part.scale * part.own;
   std::vector<Place> places;
   if (!(area > 0.0)) return places;
   std::size_t next = 0;
@@ -162,7 +179,7 @@ std::vector<Place> spread_places(const Scene& scene) {
     for (const uvec3& t : part.primitive->triangles) {
       const Corners c = corners_of(*part.primitive, t, node.world_from_node);
       const double size = glm::length(c.area_vector());
-      done += size;
+      done += part.scale * size;
       for (; next < kCount && wanted() < done; ++next) {
         // The R2 lattice (Roberts 2018), folded into the triangle.
         double u = 0.5 + 0.7548776662466927 * static_cast<double>(next);

@@ -194,6 +194,21 @@ TEST(unit_scene_brightness, lamps_outshine_an_environment_by_the_light_that_they
   EXPECT_FALSE(outshines_at(5435.0f, vec3(0, 3, 0)));
 }
 
+TEST(unit_scene_brightness, a_ground_however_large_is_half_of_the_surface_at_most) {
+  for (const float size : {5.0f, 50.0f, 5000.0f}) {
+    Light lamp;
+    const auto outshines_at = [&](float intensity) {
+      lamp.intensity = intensity;
+      Scene scene = with_lamp(lamp, {3, 3, 3});
+      Primitive ground = cube(size, vec3(0, -size - 1.0f, 0));
+      scene.meshes[0].primitives.push_back(ground);
+      return outshines(scene, furnace(1.0f));
+    };
+    EXPECT_TRUE(outshines_at(5435.0f)) << size;
+    EXPECT_FALSE(outshines_at(1.0f)) << size;
+  }
+}
+
 TEST(unit_scene_brightness, what_glows_counts_by_its_own_brightness_and_by_what_it_lights) {
   Scene scene = scene_of({cube(1.0f)});
   scene.materials[0].emission = vec3(1);
